@@ -1,0 +1,20 @@
+//! The one language between Sillage's processes.
+//!
+//! ```text
+//!   coupler                         fluid engine            particle engine
+//!      │  Advance + solid's response   │                        │
+//!      ├──────────────────────────────►│  solve u, p            │
+//!      │◄──────── Done + v, ∇p, p ─────┤                        │
+//!      │  Advance + γ, q                                        │
+//!      ├───────────────────────────────────────────────────────►│ free velocity, contacts
+//!      │◄─────────────────────── Done + x, v, contact state ────┤
+//!      │  accept: Commit to both, or another pass               │
+//! ```
+
+pub mod configure;
+pub mod engine;
+pub mod field;
+pub mod messages;
+
+/// Version of the messages and of the header; both sides of a link must agree on it.
+pub const PROTOCOL_VERSION: u32 = 1;
