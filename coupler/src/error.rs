@@ -1,0 +1,112 @@
+//! What can end a coupled run.
+
+use thiserror::Error;
+
+/// Errors of the coupler; `exit_code` is what the process leaves with.
+#[derive(Debug, Error)]
+pub enum CouplerError {
+    /// A link or an engine failed.
+    #[error(transparent)]
+    Protocol(#[from] protocol::error::Error),
+    /// The resolved scene or its grains file cannot be used.
+    #[error("{file}: {why}")]
+    Scene {
+        /// The file.
+        file: String,
+        /// What is wrong, where, and what is allowed.
+        why: String,
+    },
+    /// A grain is not on the mesh.
+    #[error(
+        "grain {grain} at ({x:.6e}, {y:.6e}) m is outside the fluid's mesh; grains must stay inside: \
+         check the walls, or take a smaller coupling step"
+    )]
+    GrainOutside {
+        /// Which grain.
+        grain: usize,
+        /// Its position \[m\].
+        x: f64,
+        /// Its position \[m\].
+        y: f64,
+    },
+    /// The porosity is not positive at a node.
+    #[error(
+        "porosity {porosity:.4} at node {node} ({x:.6e}, {y:.6e}) m: it must stay above 0; use larger \
+         cells or a smoothing_length of at least two grain diameters"
+    )]
+    Porosity {
+        /// Which node.
+        node: usize,
+        /// φ there.
+        porosity: f64,
+        /// Its position \[m\].
+        x: f64,
+        /// Its position \[m\].
+        y: f64,
+    },
+    /// The passes of a step did not bring the defect below the tolerance.
+    #[error(
+        "step {step}: interaction defect {defect:.2e} after {passes} passes, above the tolerance \
+         {tolerance:.1e} ({held} grains held, {touching} touching, {grains} in all): \
+         allow more passes, or take a smaller coupling step"
+    )]
+    NotConverged {
+        /// Which step.
+        step: u64,
+        /// Defect of the last pass.
+        defect: f64,
+        /// The tolerance asked for.
+        tolerance: f64,
+        /// Passes done.
+        passes: u32,
+        /// Grains force-connected to a wall.
+        held: usize,
+        /// Other grains with an active contact.
+        touching: usize,
+        /// All grains.
+        grains: usize,
+    },
+    /// A value that must be finite is not.
+    #[error("step {step}: {what} is not finite")]
+    NotFinite {
+        /// Which step.
+        step: u64,
+        /// The quantity and its place.
+        what: String,
+    },
+    /// The adaptive step fell below its bound.
+    #[error(
+        "step {step}: the coupling step fell to {dt:.3e} s, below step_min = {step_min:.3e} s: {why}"
+    )]
+    StepTooSmall {
+        /// Which step.
+        step: u64,
+        /// The step length that would be needed \[s\].
+        dt: f64,
+        /// The bound \[s\].
+        step_min: f64,
+        /// Why it was halved.
+        why: String,
+    },
+    /// Asked to stop.
+    #[error("stopped on request after step {step}")]
+    Interrupted {
+        /// Last accepted step.
+        step: u64,
+    },
+}
+
+impl CouplerError {
+    /// Exit code of a process that ends with this error.
+    pub fn exit_code(&self) -> i32 {
+        match self {
+            CouplerError::Protocol(error) => error.exit_code(),
+            CouplerError::Scene { .. } => 2,
+            CouplerError::GrainOutside { .. }
+            | CouplerError::Porosity { .. }
+            | CouplerError::NotFinite { .. } => 7,
+            CouplerError::NotConverged { .. } | CouplerError::StepTooSmall { .. } => 8,
+            CouplerError::Interrupted { .. } => 130,
+        }
+    }
+}

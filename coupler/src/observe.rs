@@ -1,0 +1,117 @@
+//! Numbers of one accepted step, as they stand in `steps.csv`.
+
+use protocol::messages::Diagnostic;
+
+use crate::coupling::{Coupling, StepReport};
+use crate::engines::value;
+
+/// Times of one step \[s\].
+#[derive(Debug, Clone, Copy, Default)]
+pub struct StepCost {
+    /// Wall time of the step.
+    pub wall: f64,
+    /// CPU time of the fluid engine.
+    pub cpu_fluid: f64,
+    /// CPU time of the particle engine.
+    pub cpu_particles: f64,
+    /// CPU time of the coupler.
+    pub cpu_coupler: f64,
+}
+
+/// Name and value of every column, in order.
+pub fn columns(coupling: &Coupling, report: &StepReport, cost: &StepCost) -> Vec<Diagnostic> {
+    let mut row = Row::default();
+    row.add("step", coupling.step as f64);
+    row.add("time", coupling.time);
+    row.add("dt", report.dt);
+    row.add("passes", f64::from(report.passes));
+    row.add("sub_steps", f64::from(report.sub_steps));
+    row.add("wall", cost.wall);
+    row.add("cpu_fluid", cost.cpu_fluid);
+    row.add("cpu_particles", cost.cpu_particles);
+    row.add("cpu_coupler", cost.cpu_coupler);
+    row.add("volume_defect", report.budget.volume_defect);
+    row.add("momentum_defect", report.budget.momentum_defect);
+    row.add("third_law_defect", report.budget.third_law_defect);
+    row.add("interaction_defect", report.interaction_defect);
+    row.add("energy_defect", report.budget.energy_defect);
+    add_grains(&mut row, coupling);
+    add_fluid(&mut row, coupling);
+    row.0
+}
+
+#[derive(Default)]
+struct Row(Vec<Diagnostic>);
+
+impl Row {
+    fn add(&mut self, name: &str, value: f64) {
+        self.0.push(Diagnostic {
+            name: name.to_owned(),
+            value,
+        });
+    }
+}
+
+fn add_grains(row: &mut Row, coupling: &Coupling) {
+    let Some(seat) = &coupling.particles else {
+        return;
+    };
+    for name in ["contacts", "contact_residual", "penetration_max"] {
+        row.add(name, value(&seat.diagnostics, name).unwrap_or(0.0));
+    }
+    let grains = &coupling.grains;
+    let axis = |values: &[f64], axis: usize| -> Vec<f64> {
+        values.iter().skip(axis).step_by(2).copied().collect()
+    };
+    let (mut x, mut y) = (axis(&grains.position, 0), axis(&grains.position, 1));
+    row.add("centre_x", mean(&x));
+    row.add("centre_y", mean(&y));
+    row.add("fall_speed", -mean(&axis(&grains.velocity, 1)));
+    x.sort_by(f64::total_cmp);
+    y.sort_by(f64::total_cmp);
+    row.add("front", quantile(&y, 0.0));
+    row.add("rear", quantile(&y, 1.0));
+    row.add("width", quantile(&x, 1.0) - quantile(&x, 0.0));
+    row.add("width98", quantile(&x, 0.99) - quantile(&x, 0.01));
+}
+
+fn add_fluid(row: &mut Row, coupling: &Coupling) {
+    let Some(seat) = &coupling.fluid else { return };
+    row.add("fluid_speed_max", speed_max(&coupling.fluid_state.velocity));
+    if let Some(drop) = value(&seat.diagnostics, "pressure_drop") {
+        row.add("pressure_drop", drop);
+    }
+    if coupling.particles.is_some() {
+        row.add(
+            "porosity_min",
+            coupling
+                .porosity
+                .iter()
+                .copied()
+                .fold(f64::INFINITY, f64::min),
+        );
+    }
+}
+
+/// Largest speed of an interleaved velocity field.
+pub fn speed_max(velocity: &[f64]) -> f64 {
+    velocity
+        .chunks_exact(2)
+        .map(|v| v[0].hypot(v[1]))
+        .fold(0.0, f64::max)
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// Quantile of sorted values, by linear interpolation.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else {
+        return 0.0;
+    };
+    let place = share * last as f64;
+    let below = place.floor() as usize;
+    let above = (below + 1).min(last);
+    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
+}

@@ -1,0 +1,419 @@
+//! One coupling step: the staggered scheme of Constant, Dubois, Lambrechts and Legat with the
+//! solid's response and, where contacts demand it, further passes.
+//!
+//! ```text
+//!   S1  place grains at xⁿ + ½Δt vⁿ; porosity, γ, response z + λ D q          (response.rs)
+//!   S0  where grains touch: a contact solve with the old fluid fields predicts z and who is held
+//!       repeat
+//!   S2    fluid: w, G, p at tⁿ⁺¹ under φ, β, s, c, j⁰, κ
+//!   S3    q = γ N w − V N G
+//!   S4-5  grains: free velocities, contacts → v̄
+//!   S6    r = v̄ − (z + λ D q): accept when its force is below the tolerance,
+//!         else z ← v̄ − λ D q, accelerated, with the matrix kept
+//! ```
+//!
+//! λ = 1 is exact for a grain without contact, so a free cloud takes one pass. λ = 0 for grains
+//! that contacts hold to a wall; if that proves wrong they get ½, which contracts for every
+//! frictionless contact set (the pass is then a Peaceman–Rachford step on the contact problem).
+
+use protocol::configure::Scheme;
+
+use crate::anderson::Anderson;
+use crate::coupling::{Coupling, GrainState};
+use crate::defect::{self, Defect};
+use crate::engines::GrainCandidate;
+use crate::error::CouplerError;
+use crate::response::{self, FluidState, Model, NodalResponse};
+use crate::transfer::Placement;
+
+/// Contact state of a grain that touches something.
+pub const TOUCHES: f64 = 1.0;
+/// Contact state of a grain that is force-connected to a wall or a fixed grain.
+pub const HELD: f64 = 2.0;
+
+const ANDERSON_DEPTH: usize = 10;
+/// Passes with λ = 1 on touching grains before they too get ½.
+const PATIENCE: u32 = 8;
+/// The unbalanced force of a staggered step is carried on only below this defect: above it, the
+/// carry amplifies.
+const CARRY_MAX: f64 = 1e-2;
+
+/// What a step has computed, before it is committed.
+pub struct Outcome {
+    /// New nodal fields.
+    pub fluid: FluidState,
+    /// New grains.
+    pub grains: GrainCandidate,
+    /// The placement all transfers of the step used.
+    pub placement: Placement,
+    /// The last model and the fields made from it.
+    pub model: Model,
+    /// What the fluid was given.
+    pub fields: NodalResponse,
+    /// q of the last pass \[N\].
+    pub force: Vec<f64>,
+    /// r = v̄ − v_model \[m/s\].
+    pub residual: Vec<f64>,
+    /// Size of r as a force.
+    pub defect: Defect,
+    /// Fluid solves.
+    pub passes: u32,
+    /// γ r to hand to the next step \[N\].
+    pub carried: Vec<f64>,
+}
+
+/// The iterate of the passes.
+struct Iteration {
+    model: Model,
+    fields: NodalResponse,
+    known: FluidState,
+    sub_steps: u32,
+    /// Raised λ of held grains, then of touching ones.
+    raised_held: bool,
+    raised_touching: bool,
+    predicted: bool,
+    anderson: Option<Anderson>,
+    passes_with_matrix: u32,
+}
+
+impl Coupling {
+    /// S1 to S6 of a step of length dt with fluid and grains; nothing is committed.
+    pub(crate) fn coupled_step(&mut self, dt: f64) -> Result<Outcome, CouplerError> {
+        let placement = self.place(dt)?;
+        let porosity = self.porosity(&placement)?;
+        let mut iteration = self.begin(&placement, porosity, dt)?;
+        let (tolerance, passes_max) = match self.scene.scheme {
+            Scheme::Staggered => (f64::INFINITY, 1),
+            Scheme::Iterated {
+                tolerance,
+                passes_max,
+            } => (tolerance, passes_max),
+        };
+        let mut pass = 1;
+        loop {
+            let mut outcome = self.pass(&mut iteration, &placement, dt, pass)?;
+            let change = self.correction_change(&iteration, &placement, &outcome);
+            let converged =
+                outcome.defect.relative <= tolerance && (pass == 1 || change <= tolerance);
+            if converged {
+                outcome.carried = carried_force(&outcome);
+                return Ok(outcome);
+            }
+            if pass == passes_max {
+                let (held, touching) = count_contacts(&outcome.grains.contact);
+                return Err(CouplerError::NotConverged {
+                    step: self.step + 1,
+                    defect: outcome.defect.relative.max(change),
+                    tolerance,
+                    passes: pass,
+                    held,
+                    touching,
+                    grains: self.grains.count(),
+                });
+            }
+            self.next_iterate(&mut iteration, &placement, &outcome, dt);
+            pass += 1;
+        }
+    }
+
+    /// The first model: from a contact solve with the old fluid fields where grains touch (S0).
+    fn begin(
+        &mut self,
+        placement: &Placement,
+        porosity: Vec<f64>,
+        dt: f64,
+    ) -> Result<Iteration, CouplerError> {
+        let known = self.fluid_state.clone();
+        let drag = self.drag_coefficients(placement, &porosity, dt);
+        let mut model = self.free_model(drag, dt, 1);
+        let mut sub_steps = 0;
+        let predicted = self.grains.contact.iter().any(|&state| state >= TOUCHES);
+        if predicted {
+            let force = self.grain_force(placement, &known, &model);
+            let request = self.request(0, dt);
+            let candidate = self.move_grains(&request, &model.drag, &force, 0)?;
+            sub_steps = candidate.sub_steps;
+            model = self.free_model(model.drag, dt, sub_steps);
+            self.choose_lambda(&mut model, &candidate.contact);
+            explain(&mut model, &candidate, &force);
+        } else {
+            self.choose_lambda(&mut model, &[]);
+        }
+        let fields = self.matrix_fields(placement, &porosity, &model);
+        Ok(Iteration {
+            model,
+            fields,
+            known,
+            sub_steps,
+            raised_held: false,
+            raised_touching: false,
+            predicted,
+            anderson: None,
+            passes_with_matrix: 0,
+        })
+    }
+
+    /// S2 to S5 and the residual of S6.
+    fn pass(
+        &mut self,
+        iteration: &mut Iteration,
+        placement: &Placement,
+        dt: f64,
+        pass: u32,
+    ) -> Result<Outcome, CouplerError> {
+        let request = self.request(pass, dt);
+        self.set_sources(iteration, placement);
+        let fluid = self.solve_fluid(&request, Some(&iteration.fields))?;
+        let force = self.grain_force(placement, &fluid, &iteration.model);
+        let grains =
+            self.move_grains(&request, &iteration.model.drag, &force, iteration.sub_steps)?;
+        let modelled = iteration.model.velocity(&force);
+        let residual: Vec<f64> = grains
+            .mean_velocity
+            .iter()
+            .zip(&modelled)
+            .map(|(v, m)| v - m)
+            .collect();
+        let defect = defect::measure(
+            self,
+            placement,
+            &iteration.model,
+            &force,
+            &residual,
+            &grains,
+            dt,
+        );
+        iteration.passes_with_matrix += 1;
+        Ok(Outcome {
+            fluid,
+            grains,
+            placement: placement.clone(),
+            model: iteration.model.clone(),
+            fields: iteration.fields.clone(),
+            force,
+            residual,
+            defect,
+            passes: pass,
+            carried: Vec::new(),
+        })
+    }
+
+    /// Change z (and, when it proved wrong, λ) for another pass.
+    fn next_iterate(
+        &self,
+        iteration: &mut Iteration,
+        placement: &Placement,
+        outcome: &Outcome,
+        dt: f64,
+    ) {
+        let contact = &outcome.grains.contact;
+        let sub_steps_changed = iteration.sub_steps != outcome.grains.sub_steps;
+        let new_lambda = if !iteration.predicted {
+            // the first pass had no prediction: it is the prediction of the next
+            iteration.predicted = true;
+            self.choose_lambda(&mut iteration.model, contact);
+            true
+        } else if !iteration.raised_held {
+            iteration.raised_held = true;
+            self.raise_lambda(&mut iteration.model, |lambda, _| lambda < 0.5)
+        } else if !iteration.raised_touching && iteration.passes_with_matrix >= PATIENCE {
+            iteration.raised_touching = true;
+            self.raise_lambda(&mut iteration.model, |_, grain| contact[grain] >= TOUCHES)
+        } else {
+            false
+        };
+        if sub_steps_changed {
+            iteration.sub_steps = outcome.grains.sub_steps;
+            let lambda = std::mem::take(&mut iteration.model.lambda);
+            iteration.model = self.free_model(
+                std::mem::take(&mut iteration.model.drag),
+                dt,
+                iteration.sub_steps,
+            );
+            iteration.model.lambda = lambda;
+        }
+        if new_lambda || sub_steps_changed {
+            explain(&mut iteration.model, &outcome.grains, &outcome.force);
+            iteration.known = outcome.fluid.clone();
+            iteration.anderson = None;
+            iteration.passes_with_matrix = 0;
+            let porosity = std::mem::take(&mut iteration.fields.porosity);
+            iteration.fields = self.matrix_fields(placement, &porosity, &iteration.model);
+        } else {
+            self.accelerate(iteration, outcome, dt);
+        }
+    }
+
+    /// (z, w*, G*) ← Anderson of (v̄ − λ D q, w, G).
+    fn accelerate(&self, iteration: &mut Iteration, outcome: &Outcome, dt: f64) {
+        let parts = |model: &Model, known: &FluidState| -> Vec<f64> {
+            [
+                &model.free_velocity[..],
+                &known.velocity,
+                &known.pressure_gradient,
+            ]
+            .concat()
+        };
+        let x = parts(&iteration.model, &iteration.known);
+        let mut image_model = iteration.model.clone();
+        explain(&mut image_model, &outcome.grains, &outcome.force);
+        let image = parts(&image_model, &outcome.fluid);
+        let weights = || {
+            self.anderson_weights(
+                iteration.fields.drag.as_slice(),
+                &iteration.fields.porosity,
+                &iteration.model,
+                dt,
+            )
+        };
+        let mut anderson = iteration
+            .anderson
+            .take()
+            .unwrap_or_else(|| Anderson::new(ANDERSON_DEPTH, weights()));
+        let next = anderson.next(&x, &image);
+        let (z, rest) = next.split_at(iteration.model.free_velocity.len());
+        let (velocity, gradient) = rest.split_at(iteration.known.velocity.len());
+        iteration.model.free_velocity.copy_from_slice(z);
+        iteration.known.velocity.copy_from_slice(velocity);
+        iteration.known.pressure_gradient.copy_from_slice(gradient);
+        iteration.anderson = Some(anderson);
+    }
+
+    /// Weights that turn z, w* and G* into square roots of powers: √(γ + m/Δt), √(βℓ), (1−φ)√(ℓ/β).
+    fn anderson_weights(
+        &self,
+        nodal_drag: &[f64],
+        porosity: &[f64],
+        model: &Model,
+        dt: f64,
+    ) -> Vec<f64> {
+        let mass = self.transfer().nodal_mass();
+        let largest = nodal_drag
+            .iter()
+            .fold(f64::MIN_POSITIVE, |max, &beta| max.max(beta));
+        let drag = |node: usize| nodal_drag[node].max(1e-6 * largest);
+        let grains = (0..self.grains.count())
+            .flat_map(|i| [(model.drag[i] + self.grains.mass[i] / dt).sqrt(); 2]);
+        let velocities = (0..mass.len()).flat_map(|a| [(drag(a) * mass[a]).sqrt(); 2]);
+        let gradients = (0..mass.len())
+            .flat_map(|a| [(1.0 - porosity[a]).abs() * (mass[a] / drag(a)).sqrt(); 2]);
+        grains.chain(velocities).chain(gradients).collect()
+    }
+
+    /// λ by the contact state of a candidate (none: all free); fixed grains have 0.
+    fn choose_lambda(&self, model: &mut Model, contact: &[f64]) {
+        for (grain, lambda) in model.lambda.iter_mut().enumerate() {
+            let held = contact.get(grain).is_some_and(|&state| state >= HELD);
+            *lambda = if held || self.grains.fixed[grain] {
+                0.0
+            } else {
+                self.options.lambda.unwrap_or(1.0)
+            };
+        }
+    }
+
+    /// λ = ½ for the grains chosen; says whether any changed.
+    fn raise_lambda(&self, model: &mut Model, chosen: impl Fn(f64, usize) -> bool) -> bool {
+        let mut changed = false;
+        for (grain, lambda) in model.lambda.iter_mut().enumerate() {
+            if chosen(*lambda, grain) && !self.grains.fixed[grain] && *lambda != 0.5 {
+                *lambda = 0.5;
+                changed = true;
+            }
+        }
+        changed
+    }
+
+    fn set_sources(&self, iteration: &mut Iteration, placement: &Placement) {
+        let correction = self.correction(iteration, placement, &iteration.known);
+        response::set_sources(
+            self.transfer(),
+            placement,
+            &mut iteration.fields,
+            &iteration.model,
+            &correction,
+            &self.grains.carried,
+        );
+    }
+
+    fn correction(
+        &self,
+        iteration: &Iteration,
+        placement: &Placement,
+        known: &FluidState,
+    ) -> (Vec<f64>, Vec<f64>) {
+        if !self.options.deferred_correction {
+            let zero = vec![0.0; 2 * self.transfer().node_count()];
+            return (zero.clone(), zero);
+        }
+        response::deferred_correction(
+            self.transfer(),
+            placement,
+            &iteration.fields,
+            &iteration.model,
+            known,
+        )
+    }
+
+    /// How much the corrected force field moves if the pass just done becomes the known state,
+    /// relative to the force scale of the grains.
+    fn correction_change(
+        &self,
+        iteration: &Iteration,
+        placement: &Placement,
+        outcome: &Outcome,
+    ) -> f64 {
+        if outcome.passes == 1 {
+            return 0.0; // lagged by a step, as for a free cloud
+        }
+        let before = self.correction(iteration, placement, &iteration.known).0;
+        let after = self.correction(iteration, placement, &outcome.fluid).0;
+        let change: Vec<f64> = after.iter().zip(&before).map(|(a, b)| a - b).collect();
+        defect::nodal_norm(self.transfer().nodal_mass(), &change) / outcome.defect.scale
+    }
+
+    fn matrix_fields(
+        &self,
+        placement: &Placement,
+        porosity: &[f64],
+        model: &Model,
+    ) -> NodalResponse {
+        response::matrix_fields(self.transfer(), placement, porosity, model)
+    }
+}
+
+/// z = v̄ − λ D q: the model then reproduces this candidate.
+fn explain(model: &mut Model, candidate: &GrainCandidate, force: &[f64]) {
+    for k in 0..force.len() {
+        model.free_velocity[k] =
+            candidate.mean_velocity[k] - model.lambda[k / 2] * model.mobility[k / 2] * force[k];
+    }
+}
+
+fn carried_force(outcome: &Outcome) -> Vec<f64> {
+    let share = if outcome.defect.relative <= CARRY_MAX {
+        1.0
+    } else {
+        0.0
+    };
+    outcome
+        .residual
+        .iter()
+        .enumerate()
+        .map(|(k, r)| share * outcome.model.drag[k / 2] * r)
+        .collect()
+}
+
+/// Grains held by a wall, and other grains with an active contact.
+pub fn count_contacts(contact: &[f64]) -> (usize, usize) {
+    let held = contact.iter().filter(|&&state| state >= HELD).count();
+    let touching = contact.iter().filter(|&&state| state >= TOUCHES).count() - held;
+    (held, touching)
+}
+
+impl GrainState {
+    /// Number of grains.
+    pub fn count(&self) -> usize {
+        self.mass.len()
+    }
+}
