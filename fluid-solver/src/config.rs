@@ -1,0 +1,112 @@
+//! What a fluid solver is told once.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::boundary::Condition;
+use crate::error::FluidError;
+use crate::point::{BodyForce, ViscousForm};
+
+/// Time scheme.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TimeScheme {
+    /// First order.
+    BackwardEuler,
+    /// Second order; the first step is backward Euler.
+    Bdf2,
+    /// No time derivative.
+    Steady,
+}
+
+/// How the convection is solved within a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Nonlinear {
+    /// Convecting velocity extrapolated from accepted steps: one linear solve. A steady flow with
+    /// convection has nothing to extrapolate and is iterated to a relative residual of 1e-8.
+    Picard,
+    /// Newton, after a few Picard iterations.
+    Newton {
+        /// Relative residual at which it stops.
+        tolerance: f64,
+        /// Iterations allowed.
+        iterations_max: usize,
+    },
+}
+
+/// What a fluid solver needs to know besides its mesh.
+#[derive(Clone)]
+pub struct FluidConfig {
+    /// ρ \[kg/m³\].
+    pub density: f64,
+    /// μ \[Pa s\].
+    pub dynamic_viscosity: f64,
+    /// g \[m/s²\].
+    pub gravity: [f64; 2],
+    /// Conditions by boundary name; "all" for those not named.
+    pub boundaries: BTreeMap<String, Condition>,
+    /// Is ρφ v·∇v there?
+    pub convection: bool,
+    /// Time scheme.
+    pub time_scheme: TimeScheme,
+    /// Nonlinear solve.
+    pub nonlinear: Nonlinear,
+    /// Form of the viscous term.
+    pub viscous_form: ViscousForm,
+    /// Factor of the grad-div stabilisation.
+    pub grad_div: f64,
+    /// Uniform initial superficial velocity \[m/s\].
+    pub initial_velocity: [f64; 2],
+    /// Extra force per mixture volume \[N/m³\], for manufactured solutions.
+    pub body_force: Option<Arc<BodyForce>>,
+}
+
+impl FluidConfig {
+    /// Fluid at rest without gravity; backward Euler, Picard, symmetric viscous form.
+    pub fn new(density: f64, dynamic_viscosity: f64) -> FluidConfig {
+        FluidConfig {
+            density,
+            dynamic_viscosity,
+            gravity: [0.0; 2],
+            boundaries: BTreeMap::new(),
+            convection: true,
+            time_scheme: TimeScheme::BackwardEuler,
+            nonlinear: Nonlinear::Picard,
+            viscous_form: ViscousForm::Symmetric,
+            grad_div: 1.0,
+            initial_velocity: [0.0; 2],
+            body_force: None,
+        }
+    }
+
+    /// The same with a condition on a boundary.
+    pub fn with(mut self, boundary: &str, condition: Condition) -> FluidConfig {
+        self.boundaries.insert(boundary.into(), condition);
+        self
+    }
+
+    /// Refuse parameters that are out of range.
+    pub(crate) fn validate(&self) -> Result<(), FluidError> {
+        let positive = [
+            ("density", self.density),
+            ("dynamic_viscosity", self.dynamic_viscosity),
+        ];
+        for (name, value) in positive {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(FluidError::Parameter {
+                    name,
+                    value,
+                    why: "must be positive and finite",
+                });
+            }
+        }
+        if !(self.grad_div >= 0.0 && self.grad_div.is_finite()) {
+            let (name, value) = ("grad_div", self.grad_div);
+            return Err(FluidError::Parameter {
+                name,
+                value,
+                why: "must be zero or positive",
+            });
+        }
+        Ok(())
+    }
+}

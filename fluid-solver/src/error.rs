@@ -1,0 +1,196 @@
+//! Everything that can go wrong in the fluid engine, with the number, the bound and the place.
+
+use std::path::PathBuf;
+
+/// An error of the fluid engine.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FluidError {
+    /// A mesh file cannot be read.
+    #[error("mesh file {path}: {source}")]
+    MeshFile {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A mesh file is not a usable Gmsh 4.1 file.
+    #[error("mesh file {path}, line {line}: {why}")]
+    GmshSyntax {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong and what is allowed.
+        why: String,
+    },
+    /// The mesh as a whole is unusable.
+    #[error("mesh: {0}")]
+    Mesh(String),
+    /// A triangle is degenerate or clockwise.
+    #[error(
+        "mesh: triangle {triangle} with corners ({a:?}, {b:?}, {c:?}) has the signed area {area:e} m²; \
+         corners must be counter-clockwise and the area positive"
+    )]
+    InvertedTriangle {
+        /// Number (Gmsh: element tag) of the triangle.
+        triangle: usize,
+        /// First corner \[m\].
+        a: [f64; 2],
+        /// Second corner \[m\].
+        b: [f64; 2],
+        /// Third corner \[m\].
+        c: [f64; 2],
+        /// Signed area \[m²\].
+        area: f64,
+    },
+    /// A boundary edge belongs to no named boundary.
+    #[error(
+        "mesh: the boundary edge from {a:?} to {b:?} belongs to no named boundary; \
+         give its curve one of the physical names {names:?} or a new one"
+    )]
+    UnnamedEdge {
+        /// One end \[m\].
+        a: [f64; 2],
+        /// Other end \[m\].
+        b: [f64; 2],
+        /// Names of the mesh.
+        names: Vec<String>,
+    },
+    /// An edge belongs to two named boundaries.
+    #[error(
+        "mesh: the edge from {a:?} to {b:?} belongs to two boundaries, {first:?} and {second:?}; \
+         every boundary edge needs exactly one name"
+    )]
+    EdgeInTwoBoundaries {
+        /// One end \[m\].
+        a: [f64; 2],
+        /// Other end \[m\].
+        b: [f64; 2],
+        /// One name.
+        first: String,
+        /// The other name.
+        second: String,
+    },
+    /// A condition names a boundary that the mesh does not have.
+    #[error("boundary {name:?} is not in the mesh; its boundaries are {allowed:?}, or \"all\"")]
+    UnknownBoundary {
+        /// The name.
+        name: String,
+        /// Names of the mesh.
+        allowed: Vec<String>,
+    },
+    /// A boundary of the mesh has no condition.
+    #[error(
+        "boundary {name:?} has no condition; allowed are no-slip, slip, inflow, open and periodic"
+    )]
+    MissingCondition {
+        /// The name.
+        name: String,
+    },
+    /// A condition that cannot be imposed.
+    #[error("boundary {name:?}: {why}")]
+    Boundary {
+        /// The name.
+        name: String,
+        /// Why not, and what is allowed.
+        why: String,
+    },
+    /// A closed domain into which more flows than out of it.
+    #[error(
+        "closed domain: the given velocities bring in {net:e} m²/s net, {relative:.3} of what crosses the \
+         boundary; at most 0.01 (what interpolation leaves) is allowed without an open boundary"
+    )]
+    Unbalanced {
+        /// Net inflow \[m²/s\].
+        net: f64,
+        /// Net over absolute flux.
+        relative: f64,
+    },
+    /// A parameter out of range.
+    #[error("{name} = {value:e}: {why}")]
+    Parameter {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The bound.
+        why: &'static str,
+    },
+    /// A field with the wrong number of values.
+    #[error("field {field}: {got} values for {expected} expected")]
+    Shape {
+        /// Its name.
+        field: &'static str,
+        /// How many came.
+        got: usize,
+        /// How many the mesh needs.
+        expected: usize,
+    },
+    /// Porosity not positive at a node.
+    #[error(
+        "porosity {value:e} at node {node} ({x:e} m, {y:e} m) must be positive: too many grains there for the mesh; smooth or refine less"
+    )]
+    Porosity {
+        /// The node.
+        node: usize,
+        /// Its position \[m\].
+        x: f64,
+        /// Its position \[m\].
+        y: f64,
+        /// The value.
+        value: f64,
+    },
+    /// A value that is not finite.
+    #[error("{what} is {value} at node {node} ({x:e} m, {y:e} m)")]
+    NotFinite {
+        /// Which field.
+        what: &'static str,
+        /// The node.
+        node: usize,
+        /// Its position \[m\].
+        x: f64,
+        /// Its position \[m\].
+        y: f64,
+        /// The value.
+        value: f64,
+    },
+    /// The factorisation broke down.
+    #[error("linear solver: {0}")]
+    Factorisation(String),
+    /// The refined solution is not accurate enough.
+    #[error(
+        "linear solver: backward error {residual:e} after {refinements} refinements, bound {bound:e}"
+    )]
+    LinearResidual {
+        /// Componentwise backward error.
+        residual: f64,
+        /// Refinement steps done.
+        refinements: usize,
+        /// The bound.
+        bound: f64,
+    },
+    /// The nonlinear iteration did not converge.
+    #[error(
+        "nonlinear solve: relative residual {residual:e} after {iterations} iterations, tolerance {tolerance:e}"
+    )]
+    NotConverged {
+        /// Relative residual.
+        residual: f64,
+        /// Iterations done.
+        iterations: usize,
+        /// The tolerance.
+        tolerance: f64,
+    },
+    /// `commit` without a candidate.
+    #[error("commit without a candidate: advance first")]
+    NoCandidate,
+    /// A checkpoint that cannot be written, read or used here.
+    #[error("checkpoint {path}: {why}")]
+    Checkpoint {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        why: String,
+    },
+}

@@ -1,0 +1,3 @@
+//! The fluid engine of Sillage as a process.
+
+fn main() {}

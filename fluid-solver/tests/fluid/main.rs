@@ -1,0 +1,9 @@
+//! What the fluid engine promises, with the tables that show it.
+
+mod balance;
+mod benchmarks;
+mod jet;
+mod manufactured;
+mod porous;
+mod refusals;
+mod support;

@@ -1,0 +1,122 @@
+//! Errors, random numbers, grains and tables that several tests share.
+
+use fluid_solver::element::{QUADRATURE, Triangle, interpolate};
+use fluid_solver::mesh::Mesh;
+use fluid_solver::state::State;
+
+/// L2 errors of v = u_h/φ_h and of p without its mean.
+pub fn errors(
+    mesh: &Mesh,
+    state: &State,
+    velocity: impl Fn([f64; 2]) -> [f64; 2],
+    pressure: impl Fn([f64; 2]) -> f64,
+) -> (f64, f64) {
+    let (mut square, mut area, mut mean) = (0.0, 0.0, 0.0);
+    let mut pressure_square = 0.0;
+    for (t, nodes) in mesh.triangles.iter().enumerate() {
+        let porosity = nodes.map(|n| state.now.porosity[n]);
+        let u = [0, 1].map(|d| nodes.map(|n| state.now.superficial_velocity[n][d]));
+        let p = nodes.map(|n| state.pressure[n]);
+        for (shape, weight) in &QUADRATURE {
+            let w = weight * mesh.geometry[t].area;
+            let x = [0, 1].map(|d| (0..3).map(|k| shape[k] * mesh.corners[t][k][d]).sum());
+            let exact = velocity(x);
+            for d in 0..2 {
+                let v = interpolate(shape, &u[d]) / interpolate(shape, &porosity);
+                square += w * (v - exact[d]).powi(2);
+            }
+            let difference = interpolate(shape, &p) - pressure(x);
+            area += w;
+            mean += w * difference;
+            pressure_square += w * difference * difference;
+        }
+    }
+    (
+        square.sqrt(),
+        (pressure_square - mean * mean / area).max(0.0).sqrt(),
+    )
+}
+
+/// Kinetic energy per density, ½∫φ|v|², by nodal mass.
+pub fn nodal_energy(mesh: &Mesh, velocity: &[[f64; 2]]) -> f64 {
+    let pairs = mesh.nodal_mass.iter().zip(velocity);
+    pairs
+        .map(|(mass, v)| 0.5 * mass * (v[0] * v[0] + v[1] * v[1]))
+        .sum()
+}
+
+/// Observed order between two meshes or steps whose ratio is two.
+pub fn order(coarse: f64, fine: f64) -> f64 {
+    (coarse / fine).log2()
+}
+
+/// Largest |a − b| over nodes and components.
+pub fn largest_difference(a: &[[f64; 2]], b: impl Fn(usize) -> [f64; 2]) -> f64 {
+    let pairs = a
+        .iter()
+        .enumerate()
+        .flat_map(|(n, v)| [0, 1].map(|d| (v[d] - b(n)[d]).abs()));
+    pairs.fold(0.0, f64::max)
+}
+
+/// Values at the nodes.
+pub fn at_nodes<T>(mesh: &Mesh, value: impl Fn([f64; 2]) -> T) -> Vec<T> {
+    mesh.position.iter().map(|x| value(*x)).collect()
+}
+
+/// A small deterministic generator of uniform numbers (SplitMix64, Steele et al. 2014).
+pub struct Random(pub u64);
+
+impl Random {
+    /// Uniform in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Uniform in [low, high).
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+}
+
+/// Deposit (point, value) pairs with linear weights, divided by the nodal mass.
+pub fn deposit(mesh: &Mesh, points: &[[f64; 2]], value: impl Fn(usize) -> f64) -> Vec<f64> {
+    let mut sum = vec![0.0; mesh.node_count()];
+    for (k, x) in points.iter().enumerate() {
+        let (t, shape) = locate(mesh, *x).expect("point inside the mesh");
+        for (node, weight) in mesh.triangles[t].iter().zip(shape) {
+            sum[*node] += weight * value(k);
+        }
+    }
+    sum.iter()
+        .zip(&mesh.nodal_mass)
+        .map(|(sum, mass)| sum / mass)
+        .collect()
+}
+
+/// The triangle that holds a point, and its shape functions there.
+fn locate(mesh: &Mesh, x: [f64; 2]) -> Option<(usize, [f64; 3])> {
+    mesh.corners.iter().enumerate().find_map(|(t, corners)| {
+        let low = [0, 1].map(|d| corners.iter().map(|c| c[d]).fold(f64::INFINITY, f64::min));
+        let high = [0, 1].map(|d| {
+            corners
+                .iter()
+                .map(|c| c[d])
+                .fold(f64::NEG_INFINITY, f64::max)
+        });
+        if (0..2).any(|d| x[d] < low[d] - 1e-12 || x[d] > high[d] + 1e-12) {
+            return None;
+        }
+        let triangle = Triangle::new(corners);
+        let shape = [0, 1, 2].map(|k| {
+            let g = triangle.gradient[k];
+            let other = corners[(k + 1) % 3];
+            g[0] * (x[0] - other[0]) + g[1] * (x[1] - other[1])
+        });
+        shape.iter().all(|&n| n >= -1e-9).then_some((t, shape))
+    })
+}
