@@ -1,0 +1,125 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0 ok                     5 partner lost
+  2 usage or scene         6 time limit
+  3 handshake or version   7 not finite, or an invariant broken
+  4 engine failed          8 not converged
+  130 interrupted";
+
+const EXAMPLES: &str = "\
+Examples:
+  sillage run scenes/cloud.toml
+  sillage run scenes/cloud.toml --out runs/coarse --set fluid.domain.rectangle.cells=[40,120]
+  sillage check scenes/cloud.toml
+  sillage plan scenes/cloud.toml --out by-hand
+  sillage doctor --clean";
+
+/// Grains in a fluid, in two dimensions: a finite-element fluid, non-smooth contacts, and the
+/// coupling between them, each in its own process.
+#[derive(Debug, Parser)]
+#[command(name = "sillage", version, after_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// Commands of `sillage`.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scene: progress on stderr, results in a run folder
+    #[command(after_help = format!(
+        "Ctrl-C stops after the current step and keeps what was computed; twice kills.\n\n{EXIT_CODES}"
+    ))]
+    Run(RunArgs),
+    /// Validate a scene without running it
+    Check(CheckArgs),
+    /// Print which processes, terms and fields a scene needs, and what is left out
+    Plan(PlanArgs),
+    /// Look at shared memory, limits, versions and leftovers of dead runs
+    Doctor(DoctorArgs),
+}
+
+/// A scene with settings.
+#[derive(Debug, Args)]
+pub struct SceneArgs {
+    /// Scene file (TOML)
+    pub scene: PathBuf,
+    /// Set a key of the scene, e.g. --set run.end_time=0.5 (repeatable)
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<String>,
+    /// Threads each engine may use [default: all cores]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<std::num::NonZeroUsize>,
+}
+
+impl SceneArgs {
+    /// Threads each engine may use; engines take turns, so each may have all cores.
+    pub fn threads(&self) -> usize {
+        self.threads
+            .or_else(|| std::thread::available_parallelism().ok())
+            .map_or(1, std::num::NonZeroUsize::get)
+    }
+}
+
+/// Arguments of `run`.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Run folder [default: runs/<scene>-<time>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// One JSON document on stdout at the end
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// Scene file (TOML)
+    #[arg(required_unless_present = "schema")]
+    pub scene: Option<PathBuf>,
+    /// Set a key of the scene, e.g. --set run.end_time=0.5 (repeatable)
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<String>,
+    /// Print the JSON Schema of scenes, for editors
+    #[arg(long, conflicts_with = "scene")]
+    pub schema: bool,
+    /// One JSON document on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `plan`.
+#[derive(Debug, Args)]
+pub struct PlanArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Also write scene.json and grains.csv, what sillage-coupler takes, into this folder
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// One JSON document on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `doctor`.
+#[derive(Debug, Args)]
+pub struct DoctorArgs {
+    /// Remove what dead runs left in shared memory
+    #[arg(long)]
+    pub clean: bool,
+    /// One JSON document on stdout
+    #[arg(long)]
+    pub json: bool,
+}

@@ -1,0 +1,110 @@
+//! Arrangements of clouds and boxes: at random without overlap, sunflower.
+
+use std::f64::consts::PI;
+
+use super::neighbours::Neighbours;
+use super::random::Random;
+
+/// Where a random population goes.
+pub enum Region {
+    /// Centres lie within the radius.
+    Disk {
+        /// Centre \[m\].
+        centre: [f64; 2],
+        /// Radius \[m\].
+        radius: f64,
+    },
+    /// Whole grains lie within, except across sides where the box wraps.
+    Box {
+        /// Lower left corner \[m\].
+        lower: [f64; 2],
+        /// Upper right corner \[m\].
+        upper: [f64; 2],
+        /// Does it span a whole period in x and y?
+        wraps: [bool; 2],
+    },
+}
+
+impl Region {
+    fn sample(&self, grain_radius: f64, random: &mut Random) -> [f64; 2] {
+        match self {
+            Region::Disk { centre, radius } => {
+                // Area grows with the square of the distance.
+                let distance = radius * random.unit().sqrt();
+                let angle = 2.0 * PI * random.unit();
+                [
+                    centre[0] + distance * angle.cos(),
+                    centre[1] + distance * angle.sin(),
+                ]
+            }
+            Region::Box {
+                lower,
+                upper,
+                wraps,
+            } => std::array::from_fn(|axis| {
+                let inset = if wraps[axis] { 0.0 } else { grain_radius };
+                random.between(lower[axis] + inset, upper[axis] - inset)
+            }),
+        }
+    }
+}
+
+/// Tries for one grain before giving up.
+const TRIES_MAX: usize = 200_000;
+
+/// Random sequential placing; the error is how many were placed.
+pub fn at_random(
+    region: &Region,
+    radii: &[f64],
+    fixed: bool,
+    random: &mut Random,
+    others: &Neighbours,
+) -> Result<Vec<([f64; 2], f64)>, usize> {
+    let mut placed: Vec<([f64; 2], f64)> = Vec::with_capacity(radii.len());
+    let mut own = others.like();
+    for &radius in radii {
+        let spot = (0..TRIES_MAX)
+            .map(|_| region.sample(radius, random))
+            .find(|&position| {
+                own.deepest_overlap(position, radius, false) <= 0.0
+                    && others.deepest_overlap(position, radius, fixed) <= 0.0
+            });
+        let Some(position) = spot else {
+            return Err(placed.len());
+        };
+        own.insert(position, radius, false);
+        placed.push((position, radius));
+    }
+    Ok(placed)
+}
+
+/// Points on a spiral that turns by the golden angle: every grain has the same share of area.
+///
+/// ```text
+///   ρ_k = R √((k + ½)/N),   θ_k = k π (3 − √5)          (Vogel 1979)
+/// ```
+pub fn sunflower(centre: [f64; 2], cloud_radius: f64, radii: &[f64]) -> Vec<([f64; 2], f64)> {
+    let golden_angle = PI * (3.0 - 5.0_f64.sqrt());
+    let count = radii.len() as f64;
+    radii
+        .iter()
+        .enumerate()
+        .map(|(index, &radius)| {
+            // A lonely grain has no neighbours to share the area with: it sits in the centre.
+            let share = if radii.len() == 1 {
+                0.0
+            } else {
+                (index as f64 + 0.5) / count
+            };
+            let distance = cloud_radius * share.sqrt();
+            let angle = index as f64 * golden_angle;
+            (
+                [
+                    centre[0] + distance * angle.cos(),
+                    centre[1] + distance * angle.sin(),
+                ],
+                radius,
+            )
+        })
+        .collect()
+}

@@ -1,0 +1,76 @@
+//! `sillage`: the command line. Commands live in the library; here they are called.
+
+use clap::Parser;
+use orchestration::cli::{CheckArgs, Cli, Command, PlanArgs};
+use orchestration::error::Error;
+use orchestration::{plan, scene};
+use serde_json::json;
+
+fn main() {
+    tracing_subscriber::fmt()
+        .with_env_filter(
+            tracing_subscriber::EnvFilter::try_from_env("SILLAGE_LOG")
+                .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn")),
+        )
+        .with_writer(std::io::stderr)
+        .init();
+    let (wants_json, outcome) = match Cli::parse().command {
+        Command::Check(args) => (args.json, check(&args)),
+        Command::Plan(args) => (args.json, show_plan(&args)),
+        Command::Run(_) | Command::Doctor(_) => (false, Ok(())),
+    };
+    if let Err(error) = outcome {
+        report(&error, wants_json);
+        std::process::exit(error.exit_code());
+    }
+}
+
+/// An error on stderr, and as JSON on stdout when asked for.
+fn report(error: &Error, wants_json: bool) {
+    eprintln!("sillage: {error}");
+    if wants_json {
+        let mut document =
+            json!({ "ok": false, "code": error.exit_code(), "error": error.to_string() });
+        if let Error::Scene(problems) = error {
+            document["problems"] = json!(problems.0);
+        }
+        println!("{document:#}");
+    }
+}
+
+fn check(args: &CheckArgs) -> Result<(), Error> {
+    let Some(path) = &args.scene else {
+        println!("{:#}", scene::schema::scene_schema());
+        return Ok(());
+    };
+    let scene = scene::load(path, &args.settings, 1)?;
+    for warning in &scene.warnings {
+        eprintln!("{}: warning: {warning}", path.display());
+    }
+    let grains = scene.grains.len();
+    if args.json {
+        let document = json!({ "ok": true, "scene": scene.name, "grains": grains, "warnings": scene.warnings });
+        println!("{document:#}");
+    } else {
+        println!("{}: ok, {grains} grains", path.display());
+    }
+    Ok(())
+}
+
+fn show_plan(args: &PlanArgs) -> Result<(), Error> {
+    let scene = scene::load(
+        &args.scene.scene,
+        &args.scene.settings,
+        args.scene.threads(),
+    )?;
+    let plan = plan::plan(&scene);
+    if let Some(folder) = &args.out {
+        plan::write_inputs(&scene, folder)?;
+    }
+    if args.json {
+        println!("{:#}", json!(plan));
+    } else {
+        print!("{plan}");
+    }
+    Ok(())
+}

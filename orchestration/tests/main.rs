@@ -1,0 +1,5 @@
+//! Tests of the orchestrator, in one binary.
+
+mod populations;
+mod scene_errors;
+mod scenes_folder;
