@@ -1,9 +1,11 @@
-//! What an engine implements, and the loop that connects it to the coupler.
+//! What an engine implements; the loop that connects it to the coupler is in `serve`.
 
 use std::path::Path;
 
 use crate::configure::{FluidScene, ParticleScene};
 use crate::messages::{Advance, Capability, Diagnostic, Failure};
+
+pub use crate::serve::{run_fluid, run_particles, serve_fluid, serve_particles};
 
 /// The mesh of a fluid engine, as it is told to the coupler. Shapes: see `Field`.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -136,15 +138,4 @@ pub trait ParticleEngine {
     fn save(&mut self, path: &Path) -> Result<(), Failure>;
     /// Read the accepted state.
     fn restore(&mut self, path: &Path) -> Result<(), Failure>;
-}
-
-/// `main` of a fluid engine's process: enters the run named by the environment, serves the coupler
-/// until `Finish`, returns the exit code.
-pub fn run_fluid(_engine: impl FluidEngine) -> std::process::ExitCode {
-    std::process::ExitCode::from(3)
-}
-
-/// `main` of a particle engine's process; see [`run_fluid`].
-pub fn run_particles(_engine: impl ParticleEngine) -> std::process::ExitCode {
-    std::process::ExitCode::from(3)
 }

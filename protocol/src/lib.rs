@@ -11,16 +11,26 @@
 //!      │  accept: Commit to both, or another pass               │
 //! ```
 
+pub mod channel;
+pub mod codec;
 pub mod configure;
 pub mod engine;
 pub mod error;
 pub mod field;
+pub mod header;
+mod iox;
+pub mod ipc;
+pub mod links;
+mod liveness;
 pub mod local;
+mod members;
 pub mod messages;
 pub mod monitor;
 pub mod partner;
 pub mod process;
 pub mod runspace;
+mod seats;
+mod serve;
 
 pub use error::Error;
 

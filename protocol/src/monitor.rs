@@ -1,58 +1,198 @@
-//! The link between coupler and orchestrator.
+//! The link between coupler and orchestrator: steps and snapshots one way, stop the other.
+//!
+//! `SnapshotTaken` acknowledges a snapshot, and also `Finished` and `Stopped`: the coupler does not
+//! close its buffers before the orchestrator has read the last of them.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use crate::channel::{Channel, Wait};
+use crate::codec;
 use crate::engine::MeshDescription;
 use crate::error::Error;
 use crate::field::Field;
-use crate::messages::{Diagnostic, Hello, ToOrchestrator};
+use crate::header::{FieldHeader, Stage};
+use crate::links::{Counts, MESH, Moment, monitor_receiver_end, monitor_sender_end};
+use crate::messages::{Diagnostic, FromOrchestrator, Hello, ToOrchestrator};
 use crate::runspace::RunSpace;
 
-fn not_yet<T>() -> Result<T, Error> {
-    Err(Error::transport("protocol", "not connected in this build"))
-}
+/// How long the coupler waits for the orchestrator to take a snapshot over.
+const TAKE_OVER: Duration = Duration::from_secs(120);
+/// How long the coupler waits for the last message to be read.
+const GOODBYE: Duration = Duration::from_secs(10);
+/// How long connecting may take.
+const CONNECT: Duration = Duration::from_secs(30);
 
 /// The coupler's end.
-pub struct MonitorSender;
+pub struct MonitorSender {
+    channel: Box<dyn Channel>,
+    counts: Counts,
+    step: u64,
+    unanswered: bool,
+    stop: bool,
+}
 
 impl MonitorSender {
     /// Connect to the orchestrator; `None` when this run has none.
-    pub fn connect(_runspace: &RunSpace) -> Result<Option<MonitorSender>, Error> {
-        not_yet()
+    pub fn connect(runspace: &RunSpace) -> Result<Option<MonitorSender>, Error> {
+        if runspace.orchestrator().is_none() {
+            return Ok(None);
+        }
+        let channel = crate::ipc::open(runspace, monitor_sender_end())?;
+        Ok(Some(MonitorSender {
+            channel,
+            counts: Counts::default(),
+            step: 0,
+            unanswered: false,
+            stop: false,
+        }))
     }
+
     /// Coupling begins: who takes part, the mesh and the grains' radii (empty: no grains).
     pub fn started(
         &mut self,
-        _engines: &[Hello],
-        _mesh: Option<&MeshDescription>,
-        _grain_radius: &[f64],
+        engines: &[Hello],
+        mesh: Option<&MeshDescription>,
+        grain_radius: &[f64],
     ) -> Result<(), Error> {
-        not_yet()
+        let (nodes, triangles) =
+            mesh.map_or((0, 0), |mesh| (mesh.nodal_mass.len(), mesh.triangles.len()));
+        self.counts = Counts {
+            epoch: 0,
+            nodes,
+            triangles,
+            grains: grain_radius.len(),
+        };
+        self.wait_for_reader()?;
+        let moment = Moment::at(Stage::Started);
+        if let Some(mesh) = mesh {
+            let corners: Vec<f64> = mesh
+                .triangles
+                .iter()
+                .flatten()
+                .map(|&node| f64::from(node))
+                .collect();
+            let values: [&[f64]; 4] = [
+                &mesh.node_position,
+                &corners,
+                mesh.triangle_position.as_flattened(),
+                &mesh.nodal_mass,
+            ];
+            for (field, values) in MESH.into_iter().zip(values) {
+                self.counts
+                    .send(&mut *self.channel, field, moment, values)?;
+            }
+        }
+        if !grain_radius.is_empty() {
+            self.counts
+                .send(&mut *self.channel, Field::GrainRadius, moment, grain_radius)?;
+        }
+        self.send(&ToOrchestrator::Started {
+            nodes: nodes as u64,
+            triangles: triangles as u64,
+            grains: grain_radius.len() as u64,
+            engines: engines.to_vec(),
+        })
     }
+
     /// One accepted step.
-    pub fn step(&mut self, _values: Vec<Diagnostic>) -> Result<(), Error> {
-        not_yet()
+    pub fn step(&mut self, values: Vec<Diagnostic>) -> Result<(), Error> {
+        self.send(&ToOrchestrator::Step(values))
     }
+
     /// Fields of the accepted state; waits until the previous snapshot was taken over.
     pub fn snapshot(
         &mut self,
-        _step: u64,
-        _time: f64,
-        _fields: &[(Field, &[f64])],
+        step: u64,
+        time: f64,
+        fields: &[(Field, &[f64])],
     ) -> Result<(), Error> {
-        not_yet()
+        self.step = step;
+        self.wait_for_answer("the previous snapshot to be taken over", TAKE_OVER)?;
+        let moment = Moment {
+            step,
+            pass: 0,
+            stage: Stage::Snapshot,
+            time,
+        };
+        for &(field, values) in fields {
+            self.counts
+                .send(&mut *self.channel, field, moment, values)?;
+        }
+        let fields = fields.iter().map(|&(field, _)| field).collect();
+        self.send(&ToOrchestrator::Snapshot { step, time, fields })?;
+        self.unanswered = true;
+        Ok(())
     }
+
     /// The run ended as asked.
-    pub fn finished(&mut self, _totals: Vec<Diagnostic>) -> Result<(), Error> {
-        not_yet()
+    pub fn finished(&mut self, totals: Vec<Diagnostic>) -> Result<(), Error> {
+        self.goodbye(&ToOrchestrator::Finished(totals))
     }
+
     /// The run ended early.
-    pub fn stopped(&mut self, _code: i32, _why: &str) -> Result<(), Error> {
-        not_yet()
+    pub fn stopped(&mut self, code: i32, why: &str) -> Result<(), Error> {
+        self.goodbye(&ToOrchestrator::Stopped {
+            code,
+            why: why.to_owned(),
+        })
     }
+
     /// Was a stop asked for?
     pub fn stop_requested(&mut self) -> bool {
-        false
+        while let Ok(Some((header, bytes))) = self.channel.poll_message() {
+            if let Err(error) = self.take(&header, &bytes) {
+                tracing::warn!("{error}");
+            }
+        }
+        self.stop
+    }
+
+    fn goodbye(&mut self, message: &ToOrchestrator) -> Result<(), Error> {
+        self.wait_for_answer("the last snapshot to be taken over", TAKE_OVER)?;
+        self.send(message)?;
+        self.unanswered = true;
+        self.wait_for_answer("the last message to be read", GOODBYE)
+    }
+
+    fn wait_for_answer(&mut self, awaited: &str, limit: Duration) -> Result<(), Error> {
+        while self.unanswered {
+            let (header, bytes) = self
+                .channel
+                .receive_message(Wait::new(self.step, awaited, limit))?;
+            self.take(&header, &bytes)?;
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, header: &FieldHeader, bytes: &[u8]) -> Result<(), Error> {
+        let who = self.channel.peer();
+        header.validate_message(who, bytes.len())?;
+        match codec::decode(bytes)
+            .map_err(|e| Error::invalid(who, self.step, "message", e.to_string()))?
+        {
+            FromOrchestrator::SnapshotTaken => self.unanswered = false,
+            FromOrchestrator::Stop => self.stop = true,
+        }
+        Ok(())
+    }
+
+    /// The orchestrator opens its end before it starts the coupler; by hand it may come later.
+    fn wait_for_reader(&mut self) -> Result<(), Error> {
+        let wait = Wait::new(0, "its end of the monitor link", CONNECT);
+        while !self.channel.has_reader()? {
+            self.channel.idle(wait, Duration::from_millis(50))?;
+        }
+        Ok(())
+    }
+
+    fn send(&mut self, message: &ToOrchestrator) -> Result<(), Error> {
+        let bytes = codec::encode(message)
+            .map_err(|e| Error::invalid("coupler", self.step, "message", e.to_string()))?;
+        let header = FieldHeader::message(self.step, 0, bytes.len());
+        if self.channel.send_message(header, &bytes)? {
+            return Ok(());
+        }
+        Err(Wait::new(self.step, "a reader of messages", Duration::ZERO).lost(self.channel.peer()))
     }
 }
 
@@ -66,20 +206,103 @@ pub struct Event {
 }
 
 /// The orchestrator's end.
-pub struct MonitorReceiver;
+pub struct MonitorReceiver {
+    channel: Box<dyn Channel>,
+    counts: Counts,
+}
 
 impl MonitorReceiver {
     /// Open the link; before the coupler is started.
-    pub fn create(_runspace: &RunSpace) -> Result<MonitorReceiver, Error> {
-        not_yet()
+    pub fn create(runspace: &RunSpace) -> Result<MonitorReceiver, Error> {
+        let channel = crate::ipc::open(runspace, monitor_receiver_end())?;
+        Ok(MonitorReceiver {
+            channel,
+            counts: Counts::default(),
+        })
     }
+
     /// The next message, or `None` when there was none within `timeout`. Snapshots are
-    /// acknowledged here, after their fields were copied.
-    pub fn next(&mut self, _timeout: Duration) -> Result<Option<Event>, Error> {
-        not_yet()
+    /// acknowledged here, after their fields were copied. An error says that the coupler is gone
+    /// and has nothing more to say.
+    pub fn next(&mut self, timeout: Duration) -> Result<Option<Event>, Error> {
+        let begun = Instant::now();
+        let (header, bytes) = match self
+            .channel
+            .receive_message(Wait::new(0, "a message", timeout))
+        {
+            Err(Error::TimeLimit { .. }) => return Ok(None),
+            other => other?,
+        };
+        tracing::trace!("message after {:?}", begun.elapsed());
+        let who = self.channel.peer();
+        header.validate_message(who, bytes.len())?;
+        let message: ToOrchestrator = codec::decode(&bytes)
+            .map_err(|e| Error::invalid(who, header.step, "message", e.to_string()))?;
+        let fields = self.fields_of(&message)?;
+        if !matches!(
+            message,
+            ToOrchestrator::Started { .. } | ToOrchestrator::Step(_)
+        ) {
+            self.send(FromOrchestrator::SnapshotTaken)?;
+        }
+        Ok(Some(Event { message, fields }))
     }
+
     /// Ask the coupler to stop after the current step.
     pub fn stop(&mut self) -> Result<(), Error> {
-        not_yet()
+        self.send(FromOrchestrator::Stop)
+    }
+
+    fn fields_of(&mut self, message: &ToOrchestrator) -> Result<Vec<(Field, Vec<f64>)>, Error> {
+        let (moment, names) = match message {
+            ToOrchestrator::Started {
+                nodes,
+                triangles,
+                grains,
+                ..
+            } => {
+                self.counts = Counts {
+                    epoch: 0,
+                    nodes: *nodes as usize,
+                    triangles: *triangles as usize,
+                    grains: *grains as usize,
+                };
+                let mut names = if *nodes > 0 {
+                    MESH.to_vec()
+                } else {
+                    Vec::new()
+                };
+                names.extend((*grains > 0).then_some(Field::GrainRadius));
+                (Moment::at(Stage::Started), names)
+            }
+            ToOrchestrator::Snapshot { step, time, fields } => (
+                Moment {
+                    step: *step,
+                    pass: 0,
+                    stage: Stage::Snapshot,
+                    time: *time,
+                },
+                fields.clone(),
+            ),
+            _ => return Ok(Vec::new()),
+        };
+        let wait = Wait::new(moment.step, "a field", CONNECT);
+        let mut fields = Vec::with_capacity(names.len());
+        for field in names {
+            fields.push((
+                field,
+                self.counts
+                    .receive_copy(&mut *self.channel, field, moment, wait)?,
+            ));
+        }
+        Ok(fields)
+    }
+
+    fn send(&mut self, message: FromOrchestrator) -> Result<(), Error> {
+        let bytes = codec::encode(&message)
+            .map_err(|e| Error::invalid("orchestrator", 0, "message", e.to_string()))?;
+        self.channel
+            .send_message(FieldHeader::message(0, 0, bytes.len()), &bytes)?;
+        Ok(())
     }
 }

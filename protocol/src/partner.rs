@@ -1,67 +1,436 @@
 //! The coupler's side of a link to one engine.
 
 use std::path::Path;
+use std::time::Duration;
 
+use crate::PROTOCOL_VERSION;
+use crate::channel::{Channel, Wait, seconds};
+use crate::codec;
 use crate::configure::{FluidScene, Limits, ParticleScene};
 use crate::engine::{InitialGrains, MeshDescription};
 use crate::error::Error;
 use crate::field::Field;
-use crate::messages::{Advance, Done, Hello, Role};
+use crate::header::{FieldHeader, Stage, other_protocol};
+use crate::links::{Counts, MESH, Moment, grain_slices, receive_grains};
+use crate::messages::{Advance, Configure, Done, Hello, Ready, Role, ToCoupler, ToEngine};
 use crate::runspace::RunSpace;
 
-/// One engine, seen from the coupler.
+/// How long an engine may take to leave after `Finish` \[s\].
+const LEAVE: Duration = Duration::from_secs(10);
+
+/// One engine, seen from the coupler. Dropping it without [`Partner::finish`] still tells the
+/// engine to leave.
 pub struct Partner {
+    channel: Box<dyn Channel>,
     hello: Hello,
+    limits: Limits,
+    counts: Counts,
+    step: u64,
+    pass: u32,
+    finished: bool,
 }
 
-fn not_yet<T>() -> Result<T, Error> {
-    Err(Error::transport("protocol", "not connected in this build"))
+impl std::fmt::Debug for Partner {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Partner")
+            .field("hello", &self.hello)
+            .field("step", &self.step)
+            .finish_non_exhaustive()
+    }
 }
 
 impl Partner {
-    /// Wait for the engine of this seat to say hello.
-    pub fn accept(_role: Role, _runspace: &RunSpace, _limits: &Limits) -> Result<Partner, Error> {
-        not_yet()
+    /// Wait for the engine of this seat to say hello; check its seat and its protocol version.
+    pub fn accept(role: Role, runspace: &RunSpace, limits: &Limits) -> Result<Partner, Error> {
+        let channel = crate::ipc::open(runspace, role.coupler_end())?;
+        Partner::greet(role, channel, limits)
     }
+
+    /// The same over any channel.
+    pub fn greet(
+        role: Role,
+        mut channel: Box<dyn Channel>,
+        limits: &Limits,
+    ) -> Result<Partner, Error> {
+        let wait = Wait::new(0, "Hello", seconds(limits.connect));
+        let (header, bytes) = channel.receive_message(wait)?;
+        let hello = match parse(role.seat(), 0, &header, &bytes)? {
+            ToCoupler::Hello(hello) => hello,
+            other => return Err(unexpected(role.seat(), 0, &other, "Hello")),
+        };
+        if hello.protocol != PROTOCOL_VERSION {
+            return Err(other_protocol(role.seat(), hello.protocol));
+        }
+        if hello.role != role {
+            let why = format!(
+                "`{}` takes the seat {}, expected {}",
+                hello.engine,
+                hello.role.seat(),
+                role.seat()
+            );
+            return Err(Error::Handshake {
+                who: role.seat().to_owned(),
+                why,
+            });
+        }
+        let limits = *limits;
+        Ok(Partner {
+            channel,
+            hello,
+            limits,
+            counts: Counts::default(),
+            step: 0,
+            pass: 0,
+            finished: false,
+        })
+    }
+
     /// What the engine said about itself.
     pub fn hello(&self) -> &Hello {
         &self.hello
     }
+
     /// Send the fluid's part of the scene; answered by the mesh.
-    pub fn configure_fluid(&mut self, _scene: &FluidScene) -> Result<MeshDescription, Error> {
-        not_yet()
+    pub fn configure_fluid(&mut self, scene: &FluidScene) -> Result<MeshDescription, Error> {
+        self.send(&ToEngine::Configure(Configure::Fluid(Box::new(
+            scene.clone(),
+        ))))?;
+        let wait = Wait::new(0, "Ready", seconds(self.limits.configure));
+        let (epoch, nodes, triangles, period) = match self.answer(wait)? {
+            ToCoupler::Ready(Ready::Mesh {
+                epoch,
+                nodes,
+                triangles,
+                period,
+            }) => (epoch, nodes, triangles, period),
+            other => return Err(unexpected(self.seat(), 0, &other, "Ready with a mesh")),
+        };
+        let (nodes, triangles) = (
+            self.count("nodes", nodes)?,
+            self.count("triangles", triangles)?,
+        );
+        self.counts = Counts {
+            epoch,
+            nodes,
+            triangles,
+            grains: 0,
+        };
+        let mut fields = Vec::with_capacity(MESH.len());
+        for field in MESH {
+            fields.push(self.counts.receive_copy(
+                &mut *self.channel,
+                field,
+                Moment::at(Stage::Ready),
+                wait,
+            )?);
+        }
+        let [node_position, corners, triangle_position, nodal_mass] =
+            <[Vec<f64>; 4]>::try_from(fields).unwrap_or_default();
+        let (triangle_position, _) = triangle_position.as_chunks::<6>();
+        let mesh = MeshDescription {
+            node_position,
+            triangles: self.corners(&corners)?,
+            triangle_position: triangle_position.to_vec(),
+            nodal_mass,
+            period,
+        };
+        self.check_mesh(&mesh)?;
+        Ok(mesh)
     }
-    /// Send the particles' part of the scene; answered by the grains that will be run.
+
+    /// Send the particles' part of the scene and the initial grains; answered by the grains that
+    /// will be run.
     pub fn configure_particles(
         &mut self,
-        _scene: &ParticleScene,
-        _grains: &InitialGrains,
+        scene: &ParticleScene,
+        grains: &InitialGrains,
     ) -> Result<InitialGrains, Error> {
-        not_yet()
+        self.counts = Counts {
+            grains: grains.radius.len(),
+            ..Counts::default()
+        };
+        for (field, values) in grain_slices(grains) {
+            self.counts.send(
+                &mut *self.channel,
+                field,
+                Moment::at(Stage::Configure),
+                values,
+            )?;
+        }
+        let grain_count = grains.radius.len() as u64;
+        self.send(&ToEngine::Configure(Configure::Particles {
+            scene: Box::new(scene.clone()),
+            grain_count,
+        }))?;
+        let wait = Wait::new(0, "Ready", seconds(self.limits.configure));
+        let (epoch, count) = match self.answer(wait)? {
+            ToCoupler::Ready(Ready::Grains { epoch, grains }) => (epoch, grains),
+            other => return Err(unexpected(self.seat(), 0, &other, "Ready with grains")),
+        };
+        self.counts = Counts {
+            epoch,
+            grains: self.count("grains", count)?,
+            ..Counts::default()
+        };
+        receive_grains(&self.counts, &mut *self.channel, Stage::Ready, wait)
     }
-    /// Compute a candidate. `request.fields` is filled here from `inputs`.
+
+    /// Compute a candidate. `request.fields` is filled here from `inputs`, which are copied into
+    /// loaned buffers; the fields of `Done` are copied into `outputs` (resized). An output that
+    /// the engine does not send is an error, one that nobody asked for is dropped.
     pub fn advance(
         &mut self,
-        _request: &Advance,
-        _inputs: &[(Field, &[f64])],
-        _outputs: &mut [(Field, &mut Vec<f64>)],
+        request: &Advance,
+        inputs: &[(Field, &[f64])],
+        outputs: &mut [(Field, &mut Vec<f64>)],
     ) -> Result<Done, Error> {
-        not_yet()
+        (self.step, self.pass) = (request.step, request.pass);
+        let given = Moment {
+            step: request.step,
+            pass: request.pass,
+            stage: Stage::Advance,
+            time: request.time,
+        };
+        for &(field, values) in inputs {
+            if let Err(error) = self.counts.send(&mut *self.channel, field, given, values) {
+                return Err(self.last_words(error));
+            }
+        }
+        let fields = inputs.iter().map(|&(field, _)| field).collect();
+        self.send(&ToEngine::Advance(Advance {
+            fields,
+            ..request.clone()
+        }))?;
+        let wait = Wait::new(request.step, "Done", seconds(self.limits.step));
+        let done = match self.answer(wait)? {
+            ToCoupler::Done(done) => done,
+            other => return Err(unexpected(self.seat(), self.step, &other, "Done")),
+        };
+        self.check_done(&done, outputs)?;
+        let answered = Moment {
+            stage: Stage::Done,
+            time: request.time + request.dt,
+            ..given
+        };
+        for &field in &done.fields {
+            let received = self
+                .counts
+                .receive(&mut *self.channel, field, answered, wait)?;
+            if let Some((_, output)) = outputs.iter_mut().find(|(wanted, _)| *wanted == field) {
+                output.clear();
+                output.extend_from_slice(received.values());
+            }
+        }
+        Ok(done)
     }
+
     /// Accept the last candidate of this step.
-    pub fn commit(&mut self, _step: u64) -> Result<(), Error> {
-        not_yet()
+    pub fn commit(&mut self, step: u64) -> Result<(), Error> {
+        self.send(&ToEngine::Commit { step })
     }
+
     /// Let the engine write its accepted state.
-    pub fn save(&mut self, _path: &Path) -> Result<(), Error> {
-        not_yet()
+    pub fn save(&mut self, path: &Path) -> Result<(), Error> {
+        let path = self.text(path)?;
+        self.send(&ToEngine::Save { path })?;
+        self.stored("Stored after Save")
     }
+
     /// Let the engine read its accepted state.
-    pub fn restore(&mut self, _path: &Path) -> Result<(), Error> {
-        not_yet()
+    pub fn restore(&mut self, path: &Path) -> Result<(), Error> {
+        let path = self.text(path)?;
+        self.send(&ToEngine::Restore { path })?;
+        self.stored("Stored after Restore")
     }
+
     /// The run is over; returns when the engine has left.
     pub fn finish(&mut self) -> Result<(), Error> {
-        not_yet()
+        self.finished = true;
+        if self.channel.peer_is_gone() {
+            return Ok(());
+        }
+        self.send(&ToEngine::Finish)?;
+        if self.channel.wait_for_leave(LEAVE) {
+            return Ok(());
+        }
+        Err(Wait::new(self.step, "its leave after Finish", LEAVE).passed(self.seat()))
     }
+
+    fn seat(&self) -> &'static str {
+        self.hello.role.seat()
+    }
+
+    fn send(&mut self, message: &ToEngine) -> Result<(), Error> {
+        let bytes = codec::encode(message)
+            .map_err(|e| Error::invalid("coupler", self.step, "message", e.to_string()))?;
+        let header = FieldHeader::message(self.step, self.pass, bytes.len());
+        match self.channel.send_message(header, &bytes) {
+            Ok(true) => Ok(()),
+            Ok(false) => {
+                let lost = Wait::new(self.step, "a receiver of messages", Duration::ZERO)
+                    .lost(self.seat());
+                Err(self.last_words(lost))
+            }
+            Err(error) => Err(self.last_words(error)),
+        }
+    }
+
+    /// An engine that could not be reached may have said why before it left.
+    fn last_words(&mut self, error: Error) -> Error {
+        while let Ok(Some((header, bytes))) = self.channel.poll_message() {
+            if let Ok(ToCoupler::Failed(failure)) = parse(self.seat(), self.step, &header, &bytes) {
+                return Error::Engine {
+                    who: self.seat().to_owned(),
+                    step: self.step,
+                    failure,
+                };
+            }
+        }
+        error
+    }
+
+    fn answer(&mut self, wait: Wait<'_>) -> Result<ToCoupler, Error> {
+        let (header, bytes) = self.channel.receive_message(wait)?;
+        match parse(self.seat(), self.step, &header, &bytes)? {
+            ToCoupler::Failed(failure) => Err(Error::Engine {
+                who: self.seat().to_owned(),
+                step: self.step,
+                failure,
+            }),
+            other => Ok(other),
+        }
+    }
+
+    fn stored(&mut self, awaited: &str) -> Result<(), Error> {
+        match self.answer(Wait::new(
+            self.step,
+            awaited,
+            seconds(self.limits.configure),
+        ))? {
+            ToCoupler::Stored => Ok(()),
+            other => Err(unexpected(self.seat(), self.step, &other, awaited)),
+        }
+    }
+
+    fn text(&self, path: &Path) -> Result<String, Error> {
+        let text = path.to_str().map(str::to_owned);
+        text.ok_or_else(|| {
+            Error::invalid(
+                "coupler",
+                self.step,
+                "path",
+                format!("{} is not UTF-8", path.display()),
+            )
+        })
+    }
+
+    fn count(&self, what: &str, value: u64) -> Result<usize, Error> {
+        const MOST: u64 = 1 << 28;
+        if value > MOST {
+            return Err(Error::invalid(
+                self.seat(),
+                0,
+                "Ready",
+                format!("{value} {what}, at most {MOST} are possible"),
+            ));
+        }
+        Ok(value as usize)
+    }
+
+    fn check_done(&self, done: &Done, outputs: &[(Field, &mut Vec<f64>)]) -> Result<(), Error> {
+        let invalid = |why| Err(Error::invalid(self.seat(), self.step, "Done", why));
+        if (done.step, done.pass) != (self.step, self.pass) {
+            return invalid(format!(
+                "step {} pass {}, expected {} and {}",
+                done.step, done.pass, self.step, self.pass
+            ));
+        }
+        if let Some((missing, _)) = outputs
+            .iter()
+            .find(|(wanted, _)| !done.fields.contains(wanted))
+        {
+            return invalid(format!("it does not send {}", missing.name()));
+        }
+        for (place, field) in done.fields.iter().enumerate() {
+            if done.fields[..place].contains(field) {
+                return invalid(format!("it lists {} twice", field.name()));
+            }
+        }
+        match done.diagnostics.iter().find(|d| !d.value.is_finite()) {
+            Some(bad) => invalid(format!("the diagnostic {} is {}", bad.name, bad.value)),
+            None => Ok(()),
+        }
+    }
+
+    fn corners(&self, numbers: &[f64]) -> Result<Vec<[u32; 3]>, Error> {
+        let nodes = self.counts.nodes;
+        let (triangles, _) = numbers.as_chunks::<3>();
+        let corner = |triangle: usize, number: f64| {
+            if number.fract() == 0.0 && (0.0..nodes as f64).contains(&number) {
+                return Ok(number as u32);
+            }
+            let why = format!(
+                "corner {number} of triangle {triangle}, must be a whole number from 0 to {}",
+                nodes as i64 - 1
+            );
+            Err(Error::invalid(self.seat(), 0, "triangle_nodes", why))
+        };
+        let three =
+            |(t, n): (usize, &[f64; 3])| Ok([corner(t, n[0])?, corner(t, n[1])?, corner(t, n[2])?]);
+        triangles.iter().enumerate().map(three).collect()
+    }
+
+    fn check_mesh(&self, mesh: &MeshDescription) -> Result<(), Error> {
+        let invalid = |what: &str, why| Err(Error::invalid(self.seat(), 0, what, why));
+        if mesh.triangles.is_empty() {
+            return invalid("mesh", "it has no triangle".to_owned());
+        }
+        if let Some(node) = mesh.nodal_mass.iter().position(|&mass| mass <= 0.0) {
+            return invalid(
+                "nodal_mass",
+                format!("{} at node {node}, must be positive", mesh.nodal_mass[node]),
+            );
+        }
+        for (triangle, p) in mesh.triangle_position.iter().enumerate() {
+            let twice_area = (p[2] - p[0]) * (p[5] - p[1]) - (p[4] - p[0]) * (p[3] - p[1]);
+            if twice_area <= 0.0 {
+                let why = format!(
+                    "triangle {triangle} has area {}, corners must be counter-clockwise",
+                    0.5 * twice_area
+                );
+                return invalid("triangle_position", why);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Partner {
+    fn drop(&mut self) {
+        if !self.finished && !self.channel.peer_is_gone() && self.send(&ToEngine::Finish).is_ok() {
+            // The buffers must outlive the engine's look at them.
+            self.channel.wait_for_leave(Duration::from_secs(1));
+        }
+    }
+}
+
+fn parse(who: &str, step: u64, header: &FieldHeader, bytes: &[u8]) -> Result<ToCoupler, Error> {
+    header.validate_message(who, bytes.len())?;
+    codec::decode(bytes).map_err(|e| Error::invalid(who, step, "message", e.to_string()))
+}
+
+fn unexpected(who: &str, step: u64, message: &ToCoupler, expected: &str) -> Error {
+    let kind = match message {
+        ToCoupler::Hello(_) => "Hello",
+        ToCoupler::Ready(_) => "Ready",
+        ToCoupler::Done(_) => "Done",
+        ToCoupler::Stored => "Stored",
+        ToCoupler::Failed(_) => "Failed",
+    };
+    Error::invalid(
+        who,
+        step,
+        "message",
+        format!("{kind} where {expected} was expected"),
+    )
 }

@@ -1,10 +1,101 @@
-//! What every process of a run does first.
+//! What every process of a run does first and last: join the run, log to stderr, watch the
+//! partners, report a full shared memory, end with the exit code of its error.
+
+use std::io::{IsTerminal, stderr};
+use std::process::ExitCode;
+
+use tracing_subscriber::EnvFilter;
 
 use crate::error::Error;
+use crate::liveness::OnLoss;
 use crate::runspace::RunSpace;
 
-/// Enter the run named by the environment and take `seat` ("coupler", "fluid", "particles"):
-/// log to stderr, report a full shared memory, watch the partners.
-pub fn enter(_seat: &str) -> Result<RunSpace, Error> {
-    RunSpace::from_environment()
+/// Environment: log filter (`info`, `debug`, `fluid_solver=trace`, …).
+pub const ENV_LOG: &str = "SILLAGE_LOG";
+/// Environment: `json` for a JSON document a line.
+pub const ENV_LOG_FORMAT: &str = "SILLAGE_LOG_FORMAT";
+
+/// Enter the run named by the environment and take `seat` ("coupler", "fluid", "particles"): log
+/// to stderr, report a full shared memory, watch the partners. When a partner is lost and this
+/// process does not notice within half a second, it is ended with exit code 5.
+pub fn enter(seat: &str) -> Result<RunSpace, Error> {
+    log_to_stderr();
+    report_full_memory();
+    let runspace = RunSpace::from_environment()?;
+    runspace.preflight(SMALLEST)?;
+    if let Some(pid) = runspace.orchestrator() {
+        if !runspace.has_orchestrator() {
+            let awaited = format!("process {pid} in its seat");
+            return Err(Error::PartnerLost {
+                who: "orchestrator".to_owned(),
+                step: 0,
+                awaited,
+            });
+        }
+        leave_interrupts_to_orchestrator();
+    }
+    runspace.take_seat(seat)?;
+    runspace.watch(OnLoss::Exit)?;
+    Ok(runspace)
+}
+
+/// Shared memory that every process needs at least, for its messages \[bytes\].
+const SMALLEST: u64 = 4 << 20;
+
+/// `main` of a process of a run: enter, do `work`, log its error, leave, return the exit code.
+pub fn run(seat: &str, work: impl FnOnce(&RunSpace) -> Result<(), Error>) -> ExitCode {
+    let result = enter(seat).and_then(|runspace| work(&runspace));
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            tracing::error!("{seat}: {error}");
+            ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(1))
+        }
+    }
+}
+
+/// Log to stderr as `SILLAGE_LOG` and `SILLAGE_LOG_FORMAT` ask; without effect when called again.
+pub fn log_to_stderr() {
+    // The transport's own records are about its files, not about the run.
+    let default = "info,iceoryx2_bb_loggers=error";
+    let filter = EnvFilter::try_from_env(ENV_LOG).unwrap_or_else(|_| EnvFilter::new(default));
+    let builder = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(stderr)
+        .with_ansi(stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none())
+        // A reader of stderr that is gone must not take the process with it.
+        .log_internal_errors(false);
+    let json = std::env::var(ENV_LOG_FORMAT).is_ok_and(|format| format == "json");
+    let _ = if json {
+        builder.json().try_init()
+    } else {
+        builder.try_init()
+    };
+}
+
+/// Ctrl-C reaches every process of a terminal; the orchestrator decides what it means.
+fn leave_interrupts_to_orchestrator() {
+    // SAFETY: sets a disposition, runs no code of ours.
+    unsafe {
+        libc::signal(libc::SIGINT, libc::SIG_IGN);
+    }
+}
+
+/// A page of shared memory that does not fit kills with SIGBUS: say so, with the remedy.
+fn report_full_memory() {
+    extern "C" fn report(_signal: libc::c_int) {
+        const TEXT: &[u8] = b"error: shared memory is full (/dev/shm); enlarge it (container: --shm-size=1g) or free it (sillage doctor)\n";
+        // SAFETY: write and _exit are async-signal-safe.
+        unsafe {
+            libc::write(libc::STDERR_FILENO, TEXT.as_ptr().cast(), TEXT.len());
+            libc::_exit(4);
+        }
+    }
+    // SAFETY: the handler only calls async-signal-safe functions and does not return.
+    unsafe {
+        let mut action: libc::sigaction = std::mem::zeroed();
+        action.sa_sigaction = report as extern "C" fn(libc::c_int) as usize;
+        libc::sigemptyset(&mut action.sa_mask);
+        libc::sigaction(libc::SIGBUS, &action, std::ptr::null_mut());
+    }
 }

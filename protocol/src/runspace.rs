@@ -1,13 +1,43 @@
 //! Isolation of one run in shared memory, and its removal.
+//!
+//! A run owns the files `/dev/shm/sillage<id>_*` and the folder `/dev/shm/sillage-<id>`. Every
+//! process of the run takes a seat in the folder's `members/`; the last one to leave removes both,
+//! so nothing stays behind while one process is left to notice.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::error::Error;
+use crate::liveness::{Board, OnLoss, Watch};
+use crate::members::{self, Member};
 
-/// One run's corner of shared memory: files `/dev/shm/sillage<id>_*` and the folder
-/// `/dev/shm/sillage-<id>`.
+const SHARED_MEMORY: &str = "/dev/shm";
+/// Environment: identity of the run.
+pub const ENV_RUN: &str = "SILLAGE_RUN";
+/// Environment: process id of the orchestrator; absent when processes are started by hand.
+pub const ENV_ORCHESTRATOR: &str = "SILLAGE_ORCHESTRATOR";
+
+/// One run's corner of shared memory. Clones share one membership; when the last clone is dropped
+/// this process leaves the run, and removes it when nobody is left.
 #[derive(Debug, Clone)]
 pub struct RunSpace {
+    shared: Arc<Shared>,
+}
+
+#[derive(Debug)]
+struct Shared {
     id: String,
     orchestrator: Option<u32>,
+    presence: Mutex<Presence>,
+}
+
+#[derive(Debug, Default)]
+struct Presence {
+    seats: BTreeMap<String, Member>,
+    watch: Option<Watch>,
 }
 
 /// What a run left behind.
@@ -15,58 +45,261 @@ pub struct RunSpace {
 pub struct Leftover {
     /// Identity of the run.
     pub id: String,
-    /// Files left, the root folder not counted.
+    /// Files left in shared memory, those in the run's folder included.
     pub files: usize,
     /// Bytes of memory they occupy.
     pub bytes: u64,
 }
 
-fn not_yet() -> Error {
-    Error::transport("protocol", "not connected in this build")
-}
-
 impl RunSpace {
     /// A new run, owned by this process (the orchestrator).
     pub fn create() -> Result<RunSpace, Error> {
-        Err(not_yet())
+        let runspace = RunSpace::with(fresh_id(), Some(std::process::id()));
+        runspace.take_seat("orchestrator")?;
+        Ok(runspace)
     }
+
+    /// A run without an orchestrator, under a name of one's own choice (processes started by hand).
+    pub fn named(id: &str) -> Result<RunSpace, Error> {
+        let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit();
+        if id.is_empty() || id.len() > 16 || !id.chars().all(plain) {
+            let why = format!("`{id}` is not 1 to 16 characters of a-z and 0-9");
+            return Err(Error::memory(format!("name of a run ({ENV_RUN})"), why));
+        }
+        Ok(RunSpace::with(id.to_owned(), None))
+    }
+
     /// The run that the environment names (`SILLAGE_RUN`, `SILLAGE_ORCHESTRATOR`).
     pub fn from_environment() -> Result<RunSpace, Error> {
-        Err(not_yet())
+        let id = std::env::var(ENV_RUN).map_err(|_| {
+            Error::memory(ENV_RUN, "not set: start this process through `sillage run`, or give all processes of a run the same name in it")
+        })?;
+        let named = RunSpace::named(&id)?;
+        let Ok(text) = std::env::var(ENV_ORCHESTRATOR) else {
+            return Ok(named);
+        };
+        let pid = text.parse().map_err(|_| {
+            Error::memory(ENV_ORCHESTRATOR, format!("`{text}` is not a process id"))
+        })?;
+        Ok(RunSpace::with(id, Some(pid)))
     }
+
+    fn with(id: String, orchestrator: Option<u32>) -> RunSpace {
+        RunSpace {
+            shared: Arc::new(Shared {
+                id,
+                orchestrator,
+                presence: Mutex::default(),
+            }),
+        }
+    }
+
     /// What a child process needs in its environment to join this run.
     pub fn to_environment(&self) -> Vec<(String, String)> {
-        vec![("SILLAGE_RUN".into(), self.id.clone())]
+        let mut variables = vec![(ENV_RUN.to_owned(), self.shared.id.clone())];
+        if let Some(pid) = self.shared.orchestrator {
+            variables.push((ENV_ORCHESTRATOR.to_owned(), pid.to_string()));
+        }
+        variables
     }
+
     /// Identity of the run.
     pub fn id(&self) -> &str {
-        &self.id
+        &self.shared.id
     }
+
     /// Process id of the orchestrator, when there is one.
     pub fn orchestrator(&self) -> Option<u32> {
-        self.orchestrator
+        self.shared.orchestrator
     }
+
     /// Refuse when shared memory has less than `bytes` left.
-    pub fn preflight(&self, _bytes: u64) -> Result<(), Error> {
-        Err(not_yet())
+    pub fn preflight(&self, bytes: u64) -> Result<(), Error> {
+        preflight(bytes)
     }
-    /// Remove everything of this run; returns the number of files removed.
+
+    /// Remove everything of this run; returns the number of files removed. Refused while another
+    /// process of the run lives.
     pub fn sweep(&self) -> Result<usize, Error> {
-        Err(not_yet())
+        let root = root(self.id());
+        if let Some((seat, member)) = members::alive(&root)
+            .into_iter()
+            .find(|(_, m)| m.pid != std::process::id())
+        {
+            let why = format!("the {seat} (process {}) still runs", member.pid);
+            return Err(Error::memory(format!("sweep of run {}", self.id()), why));
+        }
+        Ok(remove_run(self.id()))
     }
-    /// Tell the others that a process (seat "fluid", "particles", "coupler") will never come.
-    pub fn mark_lost(&self, _seat: &str) -> Result<(), Error> {
-        Err(not_yet())
+
+    /// Tell the others that the process of this seat will never come (it could not be started, or
+    /// ended before it joined). Without effect when it had joined.
+    pub fn mark_lost(&self, seat: &str) -> Result<(), Error> {
+        members::mark_lost(&root(self.id()), seat)
     }
-    /// Runs of which no process is alive.
+
+    /// Runs in shared memory of which no process is alive.
     pub fn leftovers() -> Result<Vec<Leftover>, Error> {
-        Err(not_yet())
+        let mut found: BTreeMap<String, Leftover> = BTreeMap::new();
+        let entries = fs::read_dir(SHARED_MEMORY).map_err(|e| Error::memory(SHARED_MEMORY, e))?;
+        for entry in entries.flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let Some(id) = run_of(&name) else { continue };
+            let left = found.entry(id.to_owned()).or_insert_with(|| Leftover {
+                id: id.to_owned(),
+                files: 0,
+                bytes: 0,
+            });
+            let (files, bytes) = size_of(&entry.path());
+            left.files += files;
+            left.bytes += bytes;
+        }
+        Ok(found
+            .into_values()
+            .filter(|left| members::alive(&root(&left.id)).is_empty())
+            .collect())
+    }
+
+    /// Does the orchestrator that the environment names live and have its seat?
+    pub(crate) fn has_orchestrator(&self) -> bool {
+        let alive = members::alive(&root(self.id()));
+        alive
+            .get("orchestrator")
+            .is_some_and(|member| Some(member.pid) == self.orchestrator())
+    }
+
+    /// Take a seat of this run ("orchestrator", "coupler", "fluid", "particles").
+    pub(crate) fn take_seat(&self, seat: &str) -> Result<(), Error> {
+        let mut presence = self.presence();
+        if !presence.seats.contains_key(seat) {
+            let member = members::join(&root(self.id()), seat)?;
+            presence.seats.insert(seat.to_owned(), member);
+        }
+        Ok(())
+    }
+
+    /// Watch all other processes of this run; one watch a process.
+    pub(crate) fn watch(&self, on_loss: OnLoss) -> Result<Arc<Board>, Error> {
+        let mut presence = self.presence();
+        if presence.watch.is_none() {
+            presence.watch = Some(Watch::start(self.id(), &root(self.id()), on_loss)?);
+        }
+        Ok(presence
+            .watch
+            .as_ref()
+            .map(Watch::board)
+            .unwrap_or_default())
+    }
+
+    fn presence(&self) -> MutexGuard<'_, Presence> {
+        self.shared
+            .presence
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Shared {
+    fn drop(&mut self) {
+        let presence = self
+            .presence
+            .get_mut()
+            .unwrap_or_else(PoisonError::into_inner);
+        presence.watch = None;
+        if !presence.seats.is_empty() {
+            leave(&self.id);
+        }
     }
 }
 
 impl Leftover {
     /// Remove it; returns the number of files removed.
     pub fn sweep(&self) -> Result<usize, Error> {
-        Err(not_yet())
+        RunSpace::with(self.id.clone(), None).sweep()
     }
+}
+
+/// Give up all seats of this process; the last one out removes the run.
+pub(crate) fn leave(id: &str) {
+    members::leave(&root(id), || {
+        remove_run(id);
+    });
+}
+
+/// Folder of a run.
+pub(crate) fn root(id: &str) -> PathBuf {
+    Path::new(SHARED_MEMORY).join(format!("sillage-{id}"))
+}
+
+/// Prefix of a run's files in shared memory.
+pub(crate) fn prefix(id: &str) -> String {
+    format!("sillage{id}_")
+}
+
+/// Refuse when shared memory has less than `bytes` left: a page that does not fit kills with SIGBUS.
+pub(crate) fn preflight(bytes: u64) -> Result<(), Error> {
+    let status = rustix::fs::statvfs(SHARED_MEMORY).map_err(|e| Error::memory(SHARED_MEMORY, e))?;
+    let free = status.f_bavail.saturating_mul(status.f_frsize);
+    if free < bytes {
+        let megabytes = |b: u64| b as f64 / 1e6;
+        let why = format!(
+            "{:.1} MB are free and {:.1} MB needed; enlarge it (container: --shm-size=1g) or see `sillage doctor`",
+            megabytes(free),
+            megabytes(bytes)
+        );
+        return Err(Error::memory(SHARED_MEMORY, why));
+    }
+    Ok(())
+}
+
+fn fresh_id() -> String {
+    let now = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |d| d.as_nanos() as u64);
+    static COUNTER: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
+    let count = COUNTER.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    let pid = u64::from(std::process::id());
+    let mixed =
+        (now ^ pid.rotate_left(32) ^ count.rotate_left(56)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    format!("{:010x}", mixed >> 24)
+}
+
+fn run_of(name: &str) -> Option<&str> {
+    match name.strip_prefix("sillage-") {
+        Some(id) => Some(id),
+        None => name
+            .strip_prefix("sillage")
+            .and_then(|rest| rest.split_once('_'))
+            .map(|(id, _)| id),
+    }
+}
+
+fn size_of(path: &Path) -> (usize, u64) {
+    use std::os::unix::fs::MetadataExt;
+    let Ok(meta) = fs::symlink_metadata(path) else {
+        return (0, 0);
+    };
+    if !meta.is_dir() {
+        return (1, meta.blocks() * 512);
+    }
+    let entries = fs::read_dir(path).into_iter().flatten().flatten();
+    entries
+        .map(|entry| size_of(&entry.path()))
+        .fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1))
+}
+
+/// Files first, the folder with the members last: an interrupted removal is found again.
+fn remove_run(id: &str) -> usize {
+    let prefix = prefix(id);
+    let mut removed = 0;
+    for entry in fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten() {
+        if entry.file_name().to_string_lossy().starts_with(&prefix) {
+            removed += usize::from(fs::remove_file(entry.path()).is_ok());
+        }
+    }
+    let (files, _) = size_of(&root(id));
+    if fs::remove_dir_all(root(id)).is_ok() {
+        removed += files;
+    }
+    removed
 }

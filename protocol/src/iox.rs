@@ -1,0 +1,586 @@
+//! One end of a link over iceoryx2, for both back ends.
+//!
+//! A link has a publish-subscribe service of bytes for the messages of each direction, one of f64
+//! for each field and direction, and an event service for each end. State always comes from the
+//! queues; an event only ends a wait. In lock step at most two samples wait in a queue, so a full
+//! queue means that the partner broke the order or hangs: sending then fails after a limit.
+
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::os::fd::{BorrowedFd, RawFd};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use iceoryx2::port::BackpressureAction;
+use iceoryx2::port::listener::Listener;
+use iceoryx2::port::notifier::Notifier;
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::port::{LoanError, SendError};
+use iceoryx2::prelude::{
+    Alignment, AllocationStrategy, Config, FileName, LogLevel, Node, NodeBuilder, NodeName,
+    SemanticString, ServiceName, SignalHandlingMode, set_log_level,
+};
+use iceoryx2::sample::Sample;
+use iceoryx2::sample_mut::SampleMut;
+use iceoryx2::service::Service;
+use iceoryx2::service::port_factory::PortFactory as _;
+use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+use crate::PROTOCOL_VERSION;
+use crate::channel::{Channel, Loan, Received, Wait};
+use crate::codec;
+use crate::error::Error;
+use crate::field::Field;
+use crate::header::{FieldHeader, check_sum};
+use crate::liveness::Board;
+use crate::runspace::preflight;
+
+/// Samples that may wait in a queue, and that a receiver may hold.
+const QUEUE: usize = 2;
+/// Wake-ups are looked at this often even when none arrives; only a lost one would need it.
+const TICK: Duration = Duration::from_secs(1);
+
+/// A flavour of iceoryx2 whose listeners can be polled together with other descriptors.
+pub(crate) trait Backend: Service + 'static {
+    /// Descriptor that is readable while a wake-up is pending.
+    fn descriptor(listener: &Listener<Self>) -> RawFd;
+}
+
+/// What distinguishes one end of one link.
+#[derive(Debug, Clone)]
+pub(crate) struct End {
+    /// Name of the link: first part of its service names.
+    pub link: &'static str,
+    /// This end's name.
+    pub me: &'static str,
+    /// The other end's name.
+    pub peer: &'static str,
+    /// Fields this end sends.
+    pub sends: &'static [Field],
+    /// Fields this end receives.
+    pub receives: &'static [Field],
+    /// Messages that may wait in a queue.
+    pub queue: usize,
+    /// How long a full queue is tolerated.
+    pub patience: Duration,
+    /// Does the loss of a third process end a wait for the peer?
+    pub heeds_others: bool,
+}
+
+impl End {
+    /// A process whose absence makes waiting for the peer pointless.
+    fn missing(&self, board: &Board) -> Option<String> {
+        if self.heeds_others {
+            return board.missing(self.peer);
+        }
+        board.is_gone(self.peer).then(|| self.peer.to_owned())
+    }
+}
+
+/// The configuration of iceoryx2 for one run: own prefix, own folder, nothing from files.
+pub(crate) fn configuration(root: &Path, prefix: &str) -> Result<Config, Error> {
+    let mut config = Config::default();
+    let trouble = |e| Error::transport("name of the run", format!("{e:?}"));
+    config.global.prefix = FileName::new(prefix.as_bytes()).map_err(trouble)?;
+    let root = root.to_string_lossy();
+    let path = iceoryx2::prelude::Path::new(root.as_bytes()).map_err(trouble)?;
+    config.global.set_root_path(&path);
+    Ok(config)
+}
+
+type Fields<S> = PortFactory<S, [f64], FieldHeader>;
+
+/// A publisher of one field; made when it is first needed, when its size is known.
+struct Output<S: Service> {
+    service: Fields<S>,
+    publisher: Option<Publisher<S, [f64], FieldHeader>>,
+    capacity: usize,
+}
+
+/// One end of a link.
+pub(crate) struct Link<S: Backend> {
+    end: End,
+    board: Arc<Board>,
+    messages_service: PortFactory<S, [u8], FieldHeader>,
+    messages_out: Publisher<S, [u8], FieldHeader>,
+    messages_in: Subscriber<S, [u8], FieldHeader>,
+    outputs: BTreeMap<Field, Output<S>>,
+    inputs: BTreeMap<Field, Subscriber<S, [f64], FieldHeader>>,
+    listener: Listener<S>,
+    notifier: Notifier<S>,
+    check: bool,
+    // Last, in this order: ports go before their node, and all files before the membership.
+    _node: Node<S>,
+    _membership: Box<dyn Any>,
+}
+
+impl<S: Backend> Link<S> {
+    /// Open this end; the other end may come before or after. `membership` is dropped last.
+    pub(crate) fn open(
+        config: &Config,
+        end: End,
+        board: Arc<Board>,
+        membership: Box<dyn Any>,
+    ) -> Result<Link<S>, Error> {
+        set_log_level(LogLevel::Warn);
+        let name = format!("{}-{}", end.me, end.link);
+        let node = NodeBuilder::new()
+            .name(&NodeName::new(&name).map_err(|e| opening(&name, e))?)
+            .config(config)
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<S>()
+            .map_err(|e| opening(&name, e))?;
+        let (out, back) = (format!("to_{}", end.peer), format!("to_{}", end.me));
+        let messages_service =
+            message_service(&node, &service_name(&end, &out, "messages"), end.queue)?;
+        let messages_out = message_publisher(&messages_service, &end, &board)?;
+        let name = service_name(&end, &back, "messages");
+        let messages_in = message_service(&node, &name, end.queue)?
+            .subscriber_builder()
+            .create()
+            .map_err(|e| opening(&name, e))?;
+        let mut outputs = BTreeMap::new();
+        for &field in end.sends {
+            let service = field_service(&node, &service_name(&end, &out, field.name()))?;
+            outputs.insert(
+                field,
+                Output {
+                    service,
+                    publisher: None,
+                    capacity: 0,
+                },
+            );
+        }
+        let mut inputs = BTreeMap::new();
+        for &field in end.receives {
+            let name = service_name(&end, &back, field.name());
+            let subscriber = field_service(&node, &name)?.subscriber_builder().create();
+            inputs.insert(field, subscriber.map_err(|e| opening(&name, e))?);
+        }
+        let listener = event_service(&node, &service_name(&end, end.me, "wake"))?;
+        let listener = listener
+            .listener_builder()
+            .create()
+            .map_err(|e| opening("listener", e))?;
+        let notifier = event_service(&node, &service_name(&end, end.peer, "wake"))?;
+        let notifier = notifier
+            .notifier_builder()
+            .create()
+            .map_err(|e| opening("notifier", e))?;
+        let check = std::env::var_os("SILLAGE_CHECK").is_some();
+        let link = Link {
+            end,
+            board,
+            messages_service,
+            messages_out,
+            messages_in,
+            outputs,
+            inputs,
+            listener,
+            notifier,
+            check,
+            _node: node,
+            _membership: membership,
+        };
+        // A partner that is there already may be waiting for this end.
+        let _ = link.notifier.notify();
+        Ok(link)
+    }
+
+    /// Look with `take` until it finds something; block in between.
+    fn wait_for<T>(
+        &mut self,
+        wait: Wait<'_>,
+        mut take: impl FnMut(&mut Self) -> Result<Option<T>, Error>,
+    ) -> Result<T, Error> {
+        if let Some(found) = take(self)? {
+            return Ok(found);
+        }
+        self.board.begin_wait(wait.step, wait.awaited);
+        let found = loop {
+            self.board.drain();
+            let missing = self.end.missing(&self.board);
+            // What it sent before it left still counts.
+            if let Some(found) = take(self)? {
+                break found;
+            }
+            if let Some(who) = missing {
+                return Err(wait.lost(&who));
+            }
+            if wait.left().is_zero() {
+                return Err(wait.passed(self.end.peer));
+            }
+            self.block(wait.left().min(TICK))?;
+        };
+        self.board.end_wait();
+        Ok(found)
+    }
+
+    /// Block until a wake-up or an alarm, then take the wake-ups away.
+    fn block(&self, limit: Duration) -> Result<(), Error> {
+        let pending = S::descriptor(&self.listener);
+        // SAFETY: the descriptor belongs to the listener, which lives as long as `self`.
+        let pending = unsafe { BorrowedFd::borrow_raw(pending) };
+        let alarm = self.board.alarm();
+        let mut fds = [
+            PollFd::new(&pending, PollFlags::IN),
+            PollFd::new(&alarm, PollFlags::IN),
+        ];
+        let timeout = Timespec::try_from(limit).ok();
+        match poll(&mut fds, timeout.as_ref()) {
+            Ok(_) | Err(rustix::io::Errno::INTR) => {}
+            Err(e) => return Err(Error::transport("poll", e)),
+        }
+        self.listener
+            .try_wait(|_| {})
+            .map_err(|e| Error::transport("wake-up", e))?;
+        Ok(())
+    }
+
+    /// A loaned sample of `count` numbers, its content undefined.
+    fn publisher(
+        &mut self,
+        field: Field,
+        count: usize,
+    ) -> Result<&Publisher<S, [f64], FieldHeader>, Error> {
+        let (name, board, end) = (field.name(), &self.board, &self.end);
+        let output = self.outputs.get_mut(&field).ok_or_else(|| {
+            Error::transport(
+                name,
+                format!(
+                    "the {} does not send this field to the {}",
+                    end.me, end.peer
+                ),
+            )
+        })?;
+        if count > output.capacity {
+            // The pages in use: one being written, one being read, one waiting.
+            preflight(3 * 8 * count as u64)?;
+            output.capacity = count.next_power_of_two();
+        }
+        if output.publisher.is_none() {
+            let publisher = output
+                .service
+                .publisher_builder()
+                .initial_max_slice_len(count + count / 2 + 1)
+                .allocation_strategy(AllocationStrategy::PowerOfTwo)
+                .max_loaned_samples(1)
+                .set_backpressure_handler(patience(end, board))
+                .create()
+                .map_err(|e| opening(name, e))?;
+            output.publisher = Some(publisher);
+        }
+        output
+            .publisher
+            .as_ref()
+            .ok_or_else(|| Error::transport(name, "no publisher"))
+    }
+}
+
+impl<S: Backend> Channel for Link<S> {
+    fn peer(&self) -> &str {
+        self.end.peer
+    }
+
+    fn send_message(&mut self, header: FieldHeader, bytes: &[u8]) -> Result<bool, Error> {
+        let mut sample = self
+            .messages_out
+            .loan_slice_uninit(bytes.len())
+            .map_err(|e| loaning("message", e))?;
+        *sample.user_header_mut() = header;
+        let receivers = sample.write_from_slice(bytes).send();
+        let receivers =
+            receivers.map_err(|e| sending("message", header.step, &self.end, &self.board, e))?;
+        self.notifier
+            .notify()
+            .map_err(|e| Error::transport("wake-up", e))?;
+        Ok(receivers > 0)
+    }
+
+    fn poll_message(&mut self) -> Result<Option<(FieldHeader, Vec<u8>)>, Error> {
+        let sample = self
+            .messages_in
+            .receive()
+            .map_err(|e| Error::transport("message", e))?;
+        Ok(sample.map(|sample| (*sample.user_header(), sample.payload().to_vec())))
+    }
+
+    fn receive_message(&mut self, wait: Wait<'_>) -> Result<(FieldHeader, Vec<u8>), Error> {
+        self.wait_for(wait, Self::poll_message)
+    }
+
+    fn loan_field(&mut self, field: Field, header: FieldHeader) -> Result<Box<dyn Loan>, Error> {
+        let publisher = self.publisher(field, header.count as usize)?;
+        let mut sample = publisher
+            .loan_slice_uninit(header.count as usize)
+            .map_err(|e| loaning(field.name(), e))?;
+        *sample.user_header_mut() = header;
+        let sample = sample.write_from_fn(|_| f64::NAN);
+        Ok(Box::new(LoanedField {
+            sample,
+            field,
+            check: self.check,
+            end: self.end.clone(),
+            board: Arc::clone(&self.board),
+        }))
+    }
+
+    fn send_field(
+        &mut self,
+        field: Field,
+        mut header: FieldHeader,
+        values: &[f64],
+    ) -> Result<(), Error> {
+        if self.check {
+            header.check = check_sum(values);
+        }
+        let publisher = self.publisher(field, values.len())?;
+        let mut sample = publisher
+            .loan_slice_uninit(values.len())
+            .map_err(|e| loaning(field.name(), e))?;
+        *sample.user_header_mut() = header;
+        let receivers = sample.write_from_slice(values).send();
+        delivered(field.name(), header.step, &self.end, &self.board, receivers)
+    }
+
+    fn receive_field(&mut self, field: Field, wait: Wait<'_>) -> Result<Box<dyn Received>, Error> {
+        self.wait_for(wait, |link| {
+            let subscriber = link.inputs.get(&field).ok_or_else(|| {
+                Error::invalid(
+                    link.end.peer,
+                    wait.step,
+                    field.name(),
+                    format!("the {} does not send this field", link.end.peer),
+                )
+            })?;
+            let sample = subscriber
+                .receive()
+                .map_err(|e| Error::transport(field.name(), e))?;
+            Ok(sample.map(|sample| Box::new(ReceivedField { sample }) as Box<dyn Received>))
+        })
+    }
+
+    fn idle(&mut self, wait: Wait<'_>, limit: Duration) -> Result<(), Error> {
+        self.board.begin_wait(wait.step, wait.awaited);
+        self.board.drain();
+        if let Some(who) = self.end.missing(&self.board) {
+            return Err(wait.lost(&who));
+        }
+        if wait.left().is_zero() {
+            return Err(wait.passed(self.end.peer));
+        }
+        self.block(limit.min(wait.left()))?;
+        self.board.end_wait();
+        Ok(())
+    }
+
+    fn wait_for_leave(&mut self, limit: Duration) -> bool {
+        let wait = Wait::new(0, "its leave", limit);
+        while !self.board.is_gone(self.end.peer) {
+            if wait.left().is_zero() || self.block(wait.left().min(TICK)).is_err() {
+                return false;
+            }
+            self.board.drain();
+        }
+        true
+    }
+
+    fn has_reader(&mut self) -> Result<bool, Error> {
+        Ok(self
+            .messages_service
+            .dynamic_config()
+            .number_of_subscribers()
+            > 0)
+    }
+
+    fn peer_is_gone(&self) -> bool {
+        self.board.is_gone(self.end.peer)
+    }
+}
+
+struct LoanedField<S: Backend> {
+    sample: SampleMut<S, [f64], FieldHeader>,
+    field: Field,
+    check: bool,
+    end: End,
+    board: Arc<Board>,
+}
+
+impl<S: Backend> Loan for LoanedField<S> {
+    fn values(&mut self) -> &mut [f64] {
+        self.sample.payload_mut()
+    }
+
+    fn send(mut self: Box<Self>) -> Result<(), Error> {
+        if self.check {
+            self.sample.user_header_mut().check = check_sum(self.sample.payload());
+        }
+        let LoanedField {
+            sample,
+            field,
+            end,
+            board,
+            ..
+        } = *self;
+        let step = sample.user_header().step;
+        delivered(field.name(), step, &end, &board, sample.send())
+    }
+}
+
+struct ReceivedField<S: Backend> {
+    sample: Sample<S, [f64], FieldHeader>,
+}
+
+impl<S: Backend> Received for ReceivedField<S> {
+    fn header(&self) -> &FieldHeader {
+        self.sample.user_header()
+    }
+
+    fn values(&self) -> &[f64] {
+        self.sample.payload()
+    }
+}
+
+fn service_name(end: &End, direction: &str, what: &str) -> String {
+    format!("sillage/{PROTOCOL_VERSION}/{}/{direction}/{what}", end.link)
+}
+
+fn named(name: &str) -> Result<ServiceName, Error> {
+    ServiceName::new(name).map_err(|e| opening(name, e))
+}
+
+fn message_service<S: Service>(
+    node: &Node<S>,
+    name: &str,
+    queue: usize,
+) -> Result<PortFactory<S, [u8], FieldHeader>, Error> {
+    node.service_builder(&named(name)?)
+        .publish_subscribe::<[u8]>()
+        .user_header::<FieldHeader>()
+        .enable_safe_overflow(false)
+        .subscriber_max_buffer_size(queue)
+        .subscriber_max_borrowed_samples(QUEUE)
+        .history_size(0)
+        .max_publishers(1)
+        .max_subscribers(1)
+        .max_nodes(4)
+        .open_or_create()
+        .map_err(|e| opening(name, e))
+}
+
+fn message_publisher<S: Service>(
+    service: &PortFactory<S, [u8], FieldHeader>,
+    end: &End,
+    board: &Arc<Board>,
+) -> Result<Publisher<S, [u8], FieldHeader>, Error> {
+    service
+        .publisher_builder()
+        .initial_max_slice_len(codec::LIMIT)
+        .allocation_strategy(AllocationStrategy::PowerOfTwo)
+        .max_loaned_samples(1)
+        .set_backpressure_handler(patience(end, board))
+        .create()
+        .map_err(|e| opening("publisher of messages", e))
+}
+
+fn field_service<S: Service>(node: &Node<S>, name: &str) -> Result<Fields<S>, Error> {
+    // Also what a SIMD kernel likes to find.
+    const CACHE_LINE: usize = 64;
+    let alignment = Alignment::new(CACHE_LINE).ok_or_else(|| opening(name, "alignment"))?;
+    node.service_builder(&named(name)?)
+        .publish_subscribe::<[f64]>()
+        .user_header::<FieldHeader>()
+        .payload_alignment(alignment)
+        .enable_safe_overflow(false)
+        .subscriber_max_buffer_size(QUEUE)
+        .subscriber_max_borrowed_samples(QUEUE)
+        .history_size(0)
+        .max_publishers(1)
+        .max_subscribers(1)
+        .max_nodes(4)
+        .open_or_create()
+        .map_err(|e| opening(name, e))
+}
+
+fn event_service<S: Service>(
+    node: &Node<S>,
+    name: &str,
+) -> Result<iceoryx2::service::port_factory::event::PortFactory<S>, Error> {
+    node.service_builder(&named(name)?)
+        .event()
+        .max_notifiers(2)
+        .max_listeners(1)
+        .max_nodes(4)
+        .open_or_create()
+        .map_err(|e| opening(name, e))
+}
+
+/// Retry a full queue until the partner is gone or patience ends, then fail.
+fn patience(
+    end: &End,
+    board: &Arc<Board>,
+) -> impl Fn(&iceoryx2::port::BackpressureInfo) -> BackpressureAction + Send + 'static {
+    let (end, board) = (end.clone(), Arc::clone(board));
+    move |info| {
+        if info.elapsed_time >= end.patience || end.missing(&board).is_some() {
+            BackpressureAction::DiscardDataAndFail
+        } else {
+            BackpressureAction::Retry
+        }
+    }
+}
+
+fn delivered(
+    what: &str,
+    step: u64,
+    end: &End,
+    board: &Board,
+    receivers: Result<usize, SendError>,
+) -> Result<(), Error> {
+    match receivers {
+        Ok(0) => {
+            let who = board
+                .missing(end.peer)
+                .unwrap_or_else(|| end.peer.to_owned());
+            Err(Error::PartnerLost {
+                who,
+                step,
+                awaited: format!("a receiver of {what}"),
+            })
+        }
+        Ok(_) => Ok(()),
+        Err(error) => Err(sending(what, step, end, board, error)),
+    }
+}
+
+fn sending(what: &str, step: u64, end: &End, board: &Board, error: SendError) -> Error {
+    let awaited = format!("room for {what} in its queue");
+    match (error, end.missing(board)) {
+        (SendError::UnableToDeliver, Some(who)) => Error::PartnerLost { who, step, awaited },
+        (SendError::UnableToDeliver, None) => Error::TimeLimit {
+            who: end.peer.to_owned(),
+            step,
+            awaited,
+            seconds: end.patience.as_secs_f64(),
+        },
+        (error, _) => Error::transport(format!("sending {what} to the {}", end.peer), error),
+    }
+}
+
+fn loaning(what: &str, error: LoanError) -> Error {
+    Error::memory(format!("buffer for {what}"), error)
+}
+
+fn opening(name: &str, error: impl std::fmt::Debug) -> Error {
+    let why = format!("{error:?}");
+    // What two different versions of the library say about each other's files.
+    let hint = if why.contains("Corrupted") || why.contains("VersionMismatch") {
+        "; probably a process of this run uses another version of iceoryx2 (0.10.0 is required)"
+    } else {
+        ""
+    };
+    Error::transport(format!("opening {name}"), why + hint)
+}

@@ -1,0 +1,31 @@
+//! The back end between processes: iceoryx2 in shared memory.
+
+use std::os::fd::RawFd;
+
+use iceoryx2::port::listener::Listener;
+use iceoryx2::prelude::{FileDescriptorBased, ipc};
+
+use crate::channel::Channel;
+use crate::error::Error;
+use crate::iox::{Backend, End, Link, configuration};
+use crate::liveness::OnLoss;
+use crate::runspace::{self, RunSpace};
+
+impl Backend for ipc::Service {
+    fn descriptor(listener: &Listener<Self>) -> RawFd {
+        // SAFETY: only handed to `poll`; the listener keeps owning it.
+        unsafe { listener.file_descriptor().native_handle() }
+    }
+}
+
+/// Take the seat of this end, watch the partners, open the link.
+pub(crate) fn open(runspace: &RunSpace, end: End) -> Result<Box<dyn Channel>, Error> {
+    runspace.take_seat(end.me)?;
+    let board = runspace.watch(OnLoss::Report)?;
+    let config = configuration(
+        &runspace::root(runspace.id()),
+        &runspace::prefix(runspace.id()),
+    )?;
+    let link = Link::<ipc::Service>::open(&config, end, board, Box::new(runspace.clone()))?;
+    Ok(Box::new(link))
+}

@@ -1,0 +1,209 @@
+use protocol::Error;
+use protocol::field::Field;
+use protocol::local::{spawn_fluid, spawn_particles};
+use protocol::messages::{FailureKind, Role};
+use protocol::partner::Partner;
+
+use crate::toy::{self, Fault, ToyFluid, ToyGrains};
+
+/// Four steps with two passes each and one rejected step; returns every bit that came back.
+pub fn fluid_run(fluid: &mut Partner, cells: usize) -> Vec<u64> {
+    let mesh = fluid.configure_fluid(&toy::fluid_scene(cells)).unwrap();
+    assert_eq!(mesh.triangles.len(), 2 * cells);
+    let nodes = mesh.nodal_mass.len();
+    let mut bits: Vec<u64> = mesh.node_position.iter().map(|x| x.to_bits()).collect();
+    for step in 1..=4 {
+        for pass in 0..2 {
+            let porosity: Vec<f64> = (0..nodes)
+                .map(|n| 1.0 / (1.1 + n as f64 + f64::from(pass)))
+                .collect();
+            let source: Vec<f64> = (0..2 * nodes).map(|n| n as f64 * 0.3).collect();
+            let inputs = [
+                (Field::Porosity, porosity.as_slice()),
+                (Field::DragSource, source.as_slice()),
+            ];
+            let (mut velocity, mut pressure) = (Vec::new(), vec![9.0; 3]);
+            let mut outputs = [
+                (Field::InterstitialVelocity, &mut velocity),
+                (Field::Pressure, &mut pressure),
+            ];
+            let done = fluid
+                .advance(&toy::request(step, pass), &inputs, &mut outputs)
+                .unwrap();
+            assert_eq!(
+                (done.step, done.pass, done.diagnostics.len()),
+                (step, pass, 1)
+            );
+            assert_eq!((velocity.len(), pressure.len()), (2 * nodes, nodes));
+            bits.extend(velocity.iter().chain(&pressure).map(|x| x.to_bits()));
+            bits.push(done.diagnostics[0].value.to_bits());
+        }
+        fluid.commit(step).unwrap();
+    }
+    bits
+}
+
+/// Three steps of five grains.
+pub fn particle_run(particles: &mut Partner) -> Vec<u64> {
+    let grains = toy::grains(5);
+    assert_eq!(
+        particles
+            .configure_particles(&toy::particle_scene(), &grains)
+            .unwrap(),
+        grains
+    );
+    let mut bits = Vec::new();
+    for step in 1..=3 {
+        let (drag, force) = (vec![0.5; 5], vec![-9.81; 10]);
+        let (mut position, mut contact) = (Vec::new(), Vec::new());
+        let inputs = [
+            (Field::GrainDrag, drag.as_slice()),
+            (Field::GrainForce, force.as_slice()),
+        ];
+        let mut outputs = [
+            (Field::GrainPosition, &mut position),
+            (Field::GrainContact, &mut contact),
+        ];
+        particles
+            .advance(&toy::request(step, 0), &inputs, &mut outputs)
+            .unwrap();
+        particles.commit(step).unwrap();
+        bits.extend(position.iter().chain(&contact).map(|x| x.to_bits()));
+    }
+    bits
+}
+
+#[test]
+fn a_run_over_threads_gives_the_same_bits_twice() {
+    let run = || {
+        let mut fluid = spawn_fluid(|| ToyFluid::new(Fault::None)).unwrap();
+        assert_eq!(
+            (fluid.hello().role, fluid.hello().engine.as_str()),
+            (Role::Fluid, "toy-fluid")
+        );
+        let bits = fluid_run(&mut fluid, 8);
+        fluid.finish().unwrap();
+        bits
+    };
+    assert_eq!(run(), run());
+    let run = || {
+        let mut particles = spawn_particles(ToyGrains::new).unwrap();
+        let bits = particle_run(&mut particles);
+        particles.finish().unwrap();
+        bits
+    };
+    assert_eq!(run(), run());
+}
+
+#[test]
+fn a_second_advance_before_commit_starts_from_the_accepted_state() {
+    let mut fluid = spawn_fluid(|| ToyFluid::new(Fault::None)).unwrap();
+    fluid.configure_fluid(&toy::fluid_scene(3)).unwrap();
+    let mut pressure_after = |step, passes: u32, commit| {
+        let mut pressure = Vec::new();
+        for pass in 0..passes {
+            let mut outputs = [(Field::Pressure, &mut pressure)];
+            fluid
+                .advance(&toy::request(step, pass), &[], &mut outputs)
+                .unwrap();
+        }
+        if commit {
+            fluid.commit(step).unwrap();
+        }
+        pressure[0]
+    };
+    assert_eq!(pressure_after(1, 1, false), 0.01);
+    assert_eq!(pressure_after(1, 5, false), 0.01);
+    assert_eq!(pressure_after(1, 1, true), 0.01);
+    assert_eq!(pressure_after(2, 3, true), 0.02);
+}
+
+#[test]
+fn a_refused_step_may_be_asked_again() {
+    let mut fluid = spawn_fluid(|| ToyFluid::new(Fault::Refuses)).unwrap();
+    fluid.configure_fluid(&toy::fluid_scene(3)).unwrap();
+    fluid.advance(&toy::request(1, 0), &[], &mut []).unwrap();
+    fluid.commit(1).unwrap();
+    for pass in 0..3 {
+        let error = fluid
+            .advance(&toy::request(2, pass), &[], &mut [])
+            .unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "the fluid failed at step 2: residual 1 above 1e-3"
+        );
+        assert_eq!(error.exit_code(), 8);
+    }
+    fluid.finish().unwrap();
+}
+
+#[test]
+fn save_and_restore_bring_back_the_same_bits() {
+    let path = std::env::temp_dir().join(format!("sillage-protocol-{}", std::process::id()));
+    let mut fluid = spawn_fluid(|| ToyFluid::new(Fault::None)).unwrap();
+    fluid.configure_fluid(&toy::fluid_scene(2)).unwrap();
+    let mut step = |fluid: &mut Partner, step| {
+        let mut pressure = Vec::new();
+        fluid
+            .advance(
+                &toy::request(step, 0),
+                &[],
+                &mut [(Field::Pressure, &mut pressure)],
+            )
+            .unwrap();
+        fluid.commit(step).unwrap();
+        pressure
+    };
+    step(&mut fluid, 1);
+    fluid.save(&path).unwrap();
+    let straight = step(&mut fluid, 2);
+    fluid.restore(&path).unwrap();
+    assert_eq!(step(&mut fluid, 2), straight);
+    std::fs::remove_file(&path).unwrap();
+    // A failure of anything but Advance ends the engine.
+    let error = fluid.restore(&path).unwrap_err();
+    println!("{error}");
+    assert!(matches!(error, Error::Engine { failure, .. } if failure.kind == FailureKind::Engine));
+}
+
+#[test]
+fn sizes_from_none_to_many_cross_the_link() {
+    for count in [0, 1, 1000, 30_000] {
+        let mut particles = spawn_particles(ToyGrains::new).unwrap();
+        let grains = toy::grains(count);
+        assert_eq!(
+            particles
+                .configure_particles(&toy::particle_scene(), &grains)
+                .unwrap(),
+            grains
+        );
+        let force = vec![1.0; 2 * count];
+        let mut velocity = Vec::new();
+        let mut outputs = [(Field::GrainVelocity, &mut velocity)];
+        particles
+            .advance(
+                &toy::request(1, 0),
+                &[(Field::GrainForce, &force)],
+                &mut outputs,
+            )
+            .unwrap();
+        assert_eq!(velocity.len(), 2 * count);
+        particles.finish().unwrap();
+    }
+}
+
+#[test]
+fn an_input_of_another_length_is_refused_by_the_sender() {
+    let mut fluid = spawn_fluid(|| ToyFluid::new(Fault::None)).unwrap();
+    let nodes = fluid
+        .configure_fluid(&toy::fluid_scene(3))
+        .unwrap()
+        .nodal_mass
+        .len();
+    let short = vec![1.0; nodes - 1];
+    let error = fluid
+        .advance(&toy::request(1, 0), &[(Field::Porosity, &short)], &mut [])
+        .unwrap_err();
+    println!("{error}");
+    assert!(error.to_string().contains("7 numbers given, 8 expected"));
+}

@@ -1,0 +1,10 @@
+//! The contract, tested over both back ends and with broken partners.
+
+mod codec;
+mod exchange;
+mod faults;
+mod header;
+mod monitor;
+mod processes;
+mod runspaces;
+mod toy;

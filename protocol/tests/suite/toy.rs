@@ -1,0 +1,303 @@
+//! Two engines that solve nothing: every output is a fixed function of the inputs and of the
+//! accepted state, so that two transports can be compared bit by bit. They can be told to misbehave.
+
+use std::path::Path;
+use std::time::Duration;
+
+use protocol::configure::{
+    Boundary, Diagonals, FluidScene, MeshSource, Nonlinear, ParticleScene, TimeScheme, ViscousForm,
+};
+use protocol::engine::{
+    FluidAnswer, FluidEngine, FluidForces, GrainAnswer, InitialGrains, MeshDescription,
+    ParticleEngine, SolidResponse,
+};
+use protocol::messages::{Advance, Capability, Diagnostic, Failure, FailureKind};
+
+/// What goes wrong, in the second step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    None,
+    Panic,
+    NotANumber,
+    Forgets,
+    Refuses,
+    Sleeps,
+}
+
+impl Fault {
+    pub fn named(name: &str) -> Fault {
+        match name {
+            "panic" => Fault::Panic,
+            "nan" => Fault::NotANumber,
+            "forgets" => Fault::Forgets,
+            "refuses" => Fault::Refuses,
+            "sleeps" => Fault::Sleeps,
+            _ => Fault::None,
+        }
+    }
+}
+
+/// A fluid engine on a strip of triangles.
+pub struct ToyFluid {
+    pub fault: Fault,
+    accepted: Vec<f64>,
+    candidate: Vec<f64>,
+}
+
+impl ToyFluid {
+    pub fn new(fault: Fault) -> ToyFluid {
+        ToyFluid {
+            fault,
+            accepted: Vec::new(),
+            candidate: Vec::new(),
+        }
+    }
+}
+
+/// A scene whose mesh is a strip of `cells` squares.
+pub fn fluid_scene(cells: usize) -> FluidScene {
+    FluidScene {
+        density: 1200.0,
+        dynamic_viscosity: 0.12,
+        gravity: [0.0, -9.81],
+        mesh: MeshSource::Rectangle {
+            lower: [0.0, 0.0],
+            upper: [1.0, 0.5],
+            cells: [cells, 1],
+            diagonals: Diagonals::Uniform,
+            grading: [1.0, 1.0],
+        },
+        boundaries: [("all".to_owned(), Boundary::NoSlip)].into(),
+        convection: true,
+        time_scheme: TimeScheme::BackwardEuler,
+        nonlinear: Nonlinear::Picard,
+        viscous_form: ViscousForm::Symmetric,
+        grad_div: 1.0,
+        initial_velocity: [0.0, 0.0],
+        threads: 1,
+    }
+}
+
+fn strip(cells: usize) -> MeshDescription {
+    let columns = cells + 1;
+    let node = |column: usize, row: usize| (row * columns + column) as u32;
+    let place = |n: u32| [f64::from(n % columns as u32), f64::from(n / columns as u32)];
+    let mut mesh = MeshDescription {
+        period: [Some(2.0), None],
+        ..MeshDescription::default()
+    };
+    for n in 0..2 * columns as u32 {
+        mesh.node_position.extend(place(n));
+        mesh.nodal_mass.push(0.25 + f64::from(n));
+    }
+    for cell in 0..cells {
+        let (a, b, c, d) = (
+            node(cell, 0),
+            node(cell + 1, 0),
+            node(cell + 1, 1),
+            node(cell, 1),
+        );
+        mesh.triangles.extend([[a, b, c], [a, c, d]]);
+    }
+    for corners in &mesh.triangles {
+        let [p, q, r] = corners.map(place);
+        mesh.triangle_position
+            .push([p[0], p[1], q[0], q[1], r[0], r[1]]);
+    }
+    mesh
+}
+
+impl FluidEngine for ToyFluid {
+    fn identity(&self) -> (&'static str, &'static str) {
+        ("toy-fluid", "1")
+    }
+    fn capabilities(&self) -> Vec<Capability> {
+        vec![Capability::Checkpoint]
+    }
+    fn configure(&mut self, scene: &FluidScene) -> Result<MeshDescription, Failure> {
+        let MeshSource::Rectangle { cells, .. } = scene.mesh else {
+            return Err(Failure::new(FailureKind::Scene, "only rectangles"));
+        };
+        let mesh = strip(cells[0]);
+        self.accepted = vec![0.0; mesh.nodal_mass.len()];
+        Ok(mesh)
+    }
+    fn advance(
+        &mut self,
+        request: &Advance,
+        solid: &SolidResponse<'_>,
+        answer: FluidAnswer<'_>,
+    ) -> Result<Vec<Diagnostic>, Failure> {
+        if request.step == 2 {
+            match self.fault {
+                Fault::Panic => panic!("the toy breaks"),
+                Fault::Refuses => {
+                    return Err(Failure::new(
+                        FailureKind::NotConverged,
+                        "residual 1 above 1e-3",
+                    ));
+                }
+                Fault::Sleeps => std::thread::sleep(Duration::from_secs(30)),
+                _ => {}
+            }
+        }
+        let nodes = self.accepted.len();
+        let porosity = |n: usize| solid.porosity.map_or(1.0, |values| values[n]);
+        self.candidate = (0..nodes)
+            .map(|n| (self.accepted[n] + request.dt) / porosity(n))
+            .collect();
+        answer.pressure.copy_from_slice(&self.candidate);
+        for n in 0..nodes {
+            let [x, y] = [0, 1].map(|k| solid.drag_source.map_or(0.0, |s| s[2 * n + k]));
+            answer.interstitial_velocity[2 * n..2 * n + 2].copy_from_slice(&[x.sin(), y.cos()]);
+            answer.pressure_gradient[2 * n..2 * n + 2]
+                .copy_from_slice(&[self.candidate[n].sqrt(), request.time]);
+        }
+        if request.step == 2 && self.fault == Fault::NotANumber {
+            answer.pressure_gradient[2 * 3 + 1] = f64::NEG_INFINITY;
+        }
+        if request.step == 2 && self.fault == Fault::Forgets {
+            answer.interstitial_velocity[4] = f64::NAN;
+        }
+        Ok(vec![Diagnostic {
+            name: "kinetic_energy".to_owned(),
+            value: self.candidate.iter().sum(),
+        }])
+    }
+    fn commit(&mut self) -> Result<(), Failure> {
+        self.accepted.clone_from(&self.candidate);
+        Ok(())
+    }
+    fn save(&mut self, path: &Path) -> Result<(), Failure> {
+        let bytes: Vec<u8> = self
+            .accepted
+            .iter()
+            .flat_map(|value| value.to_le_bytes())
+            .collect();
+        std::fs::write(path, bytes).map_err(|e| Failure::new(FailureKind::Engine, e.to_string()))
+    }
+    fn restore(&mut self, path: &Path) -> Result<(), Failure> {
+        let bytes =
+            std::fs::read(path).map_err(|e| Failure::new(FailureKind::Engine, e.to_string()))?;
+        self.accepted = bytes
+            .as_chunks::<8>()
+            .0
+            .iter()
+            .map(|&b| f64::from_le_bytes(b))
+            .collect();
+        Ok(())
+    }
+}
+
+/// Grains that fall through everything.
+pub struct ToyGrains {
+    accepted: InitialGrains,
+    candidate: InitialGrains,
+}
+
+impl ToyGrains {
+    pub fn new() -> ToyGrains {
+        ToyGrains {
+            accepted: InitialGrains::default(),
+            candidate: InitialGrains::default(),
+        }
+    }
+}
+
+pub fn particle_scene() -> ParticleScene {
+    ParticleScene {
+        gravity: [0.0, -9.81],
+        walls: Vec::new(),
+        period: [None, None],
+        friction: 0.0,
+        wall_friction: 0.0,
+        inertia_factor: 0.5,
+        tolerance: 1e-3,
+        sweeps_max: 100,
+        sub_steps_max: 10,
+        threads: 1,
+    }
+}
+
+/// `count` grains in a row.
+pub fn grains(count: usize) -> InitialGrains {
+    InitialGrains {
+        position: (0..2 * count).map(|k| k as f64 * 0.5).collect(),
+        velocity: vec![0.0; 2 * count],
+        radius: vec![0.1; count],
+        mass: (0..count).map(|k| 1.0 + k as f64).collect(),
+        volume: vec![0.0314; count],
+        fixed: vec![0.0; count],
+    }
+}
+
+impl ParticleEngine for ToyGrains {
+    fn identity(&self) -> (&'static str, &'static str) {
+        ("toy-grains", "1")
+    }
+    fn capabilities(&self) -> Vec<Capability> {
+        vec![Capability::ImplicitDrag]
+    }
+    fn configure(
+        &mut self,
+        _scene: &ParticleScene,
+        grains: InitialGrains,
+    ) -> Result<InitialGrains, Failure> {
+        self.accepted = grains.clone();
+        Ok(grains)
+    }
+    fn advance(
+        &mut self,
+        request: &Advance,
+        fluid: &FluidForces<'_>,
+        answer: GrainAnswer<'_>,
+    ) -> Result<Vec<Diagnostic>, Failure> {
+        self.candidate = self.accepted.clone();
+        for k in 0..self.accepted.position.len() {
+            let mass = self.accepted.mass[k / 2];
+            let drag = fluid.drag.map_or(0.0, |gamma| gamma[k / 2]);
+            let force = fluid.force.map_or(0.0, |q| q[k]);
+            let velocity = (mass * self.accepted.velocity[k] + request.dt * force)
+                / (mass + drag * request.dt);
+            self.candidate.velocity[k] = velocity;
+            self.candidate.position[k] += request.dt * velocity;
+        }
+        answer.position.copy_from_slice(&self.candidate.position);
+        answer.velocity.copy_from_slice(&self.candidate.velocity);
+        answer
+            .mean_velocity
+            .copy_from_slice(&self.candidate.velocity);
+        answer.contact.fill(0.0);
+        Ok(Vec::new())
+    }
+    fn commit(&mut self) -> Result<(), Failure> {
+        self.accepted.clone_from(&self.candidate);
+        Ok(())
+    }
+    fn save(&mut self, _path: &Path) -> Result<(), Failure> {
+        Err(Failure::new(
+            FailureKind::Engine,
+            "the toy has no checkpoint",
+        ))
+    }
+    fn restore(&mut self, _path: &Path) -> Result<(), Failure> {
+        Err(Failure::new(
+            FailureKind::Engine,
+            "the toy has no checkpoint",
+        ))
+    }
+}
+
+/// A step that begins at (step − 1) dt.
+pub fn request(step: u64, pass: u32) -> Advance {
+    const DT: f64 = 0.01;
+    Advance {
+        step,
+        pass,
+        time: (step as f64 - 1.0) * DT,
+        dt: DT,
+        sub_steps: 0,
+        tolerance: 1e-3,
+        fields: Vec::new(),
+    }
+}
