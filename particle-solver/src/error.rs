@@ -1,0 +1,87 @@
+//! What can go wrong.
+
+use std::path::PathBuf;
+
+/// An error of the particle engine.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The scene's part or the grains are not usable.
+    #[error("{0}")]
+    Setup(String),
+    /// An argument of a call does not fit the engine's state.
+    #[error("{0}")]
+    Request(String),
+    /// A value is not finite.
+    #[error("{what} of grain {grain} is {value}, must be finite")]
+    NotFinite {
+        /// Which quantity.
+        what: &'static str,
+        /// Whose.
+        grain: usize,
+        /// The value.
+        value: f64,
+    },
+    /// The contact solve stopped at its limit.
+    #[error(
+        "contact residual {residual:.3e} (worst contact {residual_max:.3e}) above tolerance {tolerance:.1e} \
+         after {sweeps} of {sweeps_max} sweeps, {contacts} candidate contacts, sub-step {sub_step} of {sub_steps}"
+    )]
+    NotConverged {
+        /// Root mean square of the natural map over engaged contacts.
+        residual: f64,
+        /// Its largest value.
+        residual_max: f64,
+        /// The tolerance asked for.
+        tolerance: f64,
+        /// Sweeps done.
+        sweeps: usize,
+        /// Sweeps allowed.
+        sweeps_max: usize,
+        /// Candidate contacts.
+        contacts: usize,
+        /// Sub-step where it happened, from 1.
+        sub_step: u32,
+        /// Sub-steps of this advance.
+        sub_steps: u32,
+    },
+    /// Relative motion needs more sub-steps than allowed.
+    #[error(
+        "relative motion of grains {first} and {second} over the step of {dt:.3e} s needs {needed} sub-steps, \
+         at most {sub_steps_max} allowed"
+    )]
+    SubSteps {
+        /// Sub-steps needed.
+        needed: u64,
+        /// Sub-steps allowed.
+        sub_steps_max: u32,
+        /// Length of the step \[s\].
+        dt: f64,
+        /// A grain of the pair that needs them.
+        first: usize,
+        /// The other one, or a wall when not below the number of grains.
+        second: usize,
+    },
+    /// The contact margin kept growing.
+    #[error(
+        "grain {grain} is pushed {moved:.3e} m by contacts in one sub-step, beyond its margin of {margin:.3e} m, \
+         after {attempts} attempts"
+    )]
+    Margin {
+        /// The grain.
+        grain: usize,
+        /// How far contacts push it \[m\].
+        moved: f64,
+        /// The margin it had \[m\].
+        margin: f64,
+        /// Attempts made.
+        attempts: usize,
+    },
+    /// A checkpoint cannot be written or read.
+    #[error("checkpoint {path}: {why}")]
+    Checkpoint {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        why: String,
+    },
+}

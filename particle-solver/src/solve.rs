@@ -1,0 +1,159 @@
+//! Which iteration is used when, and when it is enough.
+//!
+//! 1. Start from the remembered impulses or from none, whichever leaves the smaller residual;
+//!    when no pair approaches, zero impulses are the answer and nothing is swept.
+//! 2. A few plain sweeps, the first ones without relaxation: exact for contacts on their own.
+//! 3. When these stall: momentum sweeps without friction; with friction, projected gradients and
+//!    momentum sweeps in turn, each from the best impulses so far.
+//! 4. At the limit: the best impulses, marked as not converged.
+
+use crate::accelerate::{MomentumSweeps, POWER_ITERATIONS, ProjectedGradients};
+use crate::delassus::{Residual, System};
+use crate::nlgs::{RELAXATION, sweep};
+
+/// Sweeps without relaxation at the start.
+const PLAIN_SWEEPS: usize = 2;
+/// Sweeps before a faster iteration takes over.
+const STALL_SWEEPS: usize = 40;
+/// Iterations of one accelerated phase before the other kind is tried.
+const PHASE_SWEEPS: usize = 1500;
+
+/// How a solve ended.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Outcome {
+    /// Sweeps, or iterations of the same cost.
+    pub sweeps: usize,
+    /// What is left.
+    pub residual: Residual,
+    /// Is it within the tolerance?
+    pub converged: bool,
+}
+
+/// The running solve: what was best, and what is allowed.
+struct Run<'a> {
+    system: &'a mut System,
+    tolerance: f64,
+    sweeps_max: usize,
+    sweeps: usize,
+    best: Residual,
+    best_impulses: Vec<[f64; 2]>,
+}
+
+/// Solve the contact problem to `tolerance`, starting from `warm` impulses.
+pub fn solve(system: &mut System, warm: &[[f64; 2]], tolerance: f64, sweeps_max: usize) -> Outcome {
+    let cold = system.residual();
+    let mut run = Run {
+        best_impulses: system.impulses(),
+        best: cold,
+        system,
+        tolerance,
+        sweeps_max,
+        sweeps: 0,
+    };
+    if cold.within(tolerance) {
+        return run.finish();
+    }
+    if warm.iter().any(|impulse| impulse[0] > 0.0) {
+        run.system.set_impulses(warm);
+        if !run.note() {
+            run.restore();
+        }
+    }
+    if run.best.within(tolerance) {
+        return run.finish();
+    }
+    run.sweep_plainly();
+    while !run.best.within(tolerance) && run.sweeps < sweeps_max {
+        if run.system.has_friction() {
+            run.project_gradients();
+            run.sweep_with_momentum(PHASE_SWEEPS);
+        } else {
+            run.sweep_with_momentum(usize::MAX);
+        }
+    }
+    run.finish()
+}
+
+impl Run<'_> {
+    /// Residual now; keeps the impulses when they are the best so far.
+    fn note(&mut self) -> bool {
+        let residual = self.system.residual();
+        let better = residual.size() < self.best.size();
+        if better {
+            self.best = residual;
+            self.best_impulses.clear();
+            let impulses = self
+                .system
+                .contacts
+                .iter()
+                .map(|c| [c.normal_impulse, c.tangential_impulse]);
+            self.best_impulses.extend(impulses);
+        }
+        better
+    }
+
+    fn restore(&mut self) {
+        let impulses = std::mem::take(&mut self.best_impulses);
+        self.system.set_impulses(&impulses);
+        self.best_impulses = impulses;
+    }
+
+    /// Iterate up to `limit` times, looking at the residual after 1, 2, 3, 4, 6, 8, 11, … .
+    fn iterate(&mut self, limit: usize, mut once: impl FnMut(&mut System, usize)) {
+        let limit = limit.min(self.sweeps_max.saturating_sub(self.sweeps));
+        let mut look = 1;
+        for done in 1..=limit {
+            once(self.system, done);
+            self.sweeps += 1;
+            if done == look || done == limit {
+                self.note();
+                if self.best.within(self.tolerance) {
+                    return;
+                }
+                look = done + (done / 3).clamp(1, 50);
+            }
+        }
+    }
+
+    fn sweep_plainly(&mut self) {
+        self.iterate(STALL_SWEEPS, |system, done| {
+            sweep(
+                system,
+                if done <= PLAIN_SWEEPS {
+                    1.0
+                } else {
+                    RELAXATION
+                },
+            );
+        });
+    }
+
+    fn sweep_with_momentum(&mut self, limit: usize) {
+        if self.best.within(self.tolerance) {
+            return;
+        }
+        self.restore();
+        let mut momentum = MomentumSweeps::new(self.system);
+        self.iterate(limit, |system, _| momentum.iterate(system));
+    }
+
+    fn project_gradients(&mut self) {
+        self.restore();
+        self.sweeps += POWER_ITERATIONS;
+        let mut gradients = ProjectedGradients::new(self.system);
+        self.iterate(PHASE_SWEEPS, |system, _| gradients.iterate(system));
+    }
+
+    /// The best impulses and exactly the velocities that follow from them.
+    fn finish(mut self) -> Outcome {
+        self.restore();
+        let residual = self.system.residual();
+        // Rebuilt velocities differ from swept ones by round-off only.
+        let converged = self.best.within(self.tolerance);
+        Outcome {
+            sweeps: self.sweeps,
+            residual,
+            converged,
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! What the contact engine promises, in one binary.
+
+mod bench_box;
+mod drag;
+mod motion;
+mod packing;
+mod pathology;
+mod replay;
