@@ -115,6 +115,8 @@ pub trait Channel {
     fn wait_for_leave(&mut self, limit: Duration) -> bool;
     /// Would a message reach somebody?
     fn has_reader(&mut self) -> Result<bool, Error>;
+    /// Is any process of the run known to be lost?
+    fn anyone_is_lost(&self) -> bool;
     /// Is the partner known to be gone?
     fn peer_is_gone(&self) -> bool;
 }

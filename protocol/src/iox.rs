@@ -396,6 +396,10 @@ impl<S: Backend> Channel for Link<S> {
             > 0)
     }
 
+    fn anyone_is_lost(&self) -> bool {
+        self.board.anyone_is_lost()
+    }
+
     fn peer_is_gone(&self) -> bool {
         self.board.is_gone(self.end.peer)
     }

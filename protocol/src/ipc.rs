@@ -9,6 +9,7 @@ use crate::channel::Channel;
 use crate::error::Error;
 use crate::iox::{Backend, End, Link, configuration};
 use crate::liveness::OnLoss;
+use crate::messages::Role;
 use crate::runspace::{self, RunSpace};
 
 impl Backend for ipc::Service {
@@ -16,6 +17,12 @@ impl Backend for ipc::Service {
         // SAFETY: only handed to `poll`; the listener keeps owning it.
         unsafe { listener.file_descriptor().native_handle() }
     }
+}
+
+/// The engine's end of its link to the coupler, for [`crate::engine::serve_fluid`] and
+/// [`crate::engine::serve_particles`].
+pub fn engine_link(runspace: &RunSpace, role: Role) -> Result<Box<dyn Channel>, Error> {
+    open(runspace, role.engine_end())
 }
 
 /// Take the seat of this end, watch the partners, open the link.

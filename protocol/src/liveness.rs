@@ -129,6 +129,11 @@ impl Board {
             .is_some_and(|&p| p != Presence::Here)
     }
 
+    /// Has any partner been lost?
+    pub(crate) fn anyone_is_lost(&self) -> bool {
+        self.state().partners.values().any(|&p| p == Presence::Lost)
+    }
+
     /// A partner left as agreed.
     pub(crate) fn mark_left(&self, peer: &str) {
         self.mark(peer, Presence::Left);

@@ -19,7 +19,7 @@ use crate::runspace::RunSpace;
 const LEAVE: Duration = Duration::from_secs(10);
 
 /// One engine, seen from the coupler. Dropping it without [`Partner::finish`] still tells the
-/// engine to leave.
+/// engine to leave, unless a process of the run was lost.
 pub struct Partner {
     channel: Box<dyn Channel>,
     hello: Hello,
@@ -385,6 +385,14 @@ impl Partner {
         if mesh.triangles.is_empty() {
             return invalid("mesh", "it has no triangle".to_owned());
         }
+        if let Some(period) = mesh
+            .period
+            .iter()
+            .flatten()
+            .find(|p| !(p.is_finite() && **p > 0.0))
+        {
+            return invalid("Ready", format!("a period of {period} m, must be positive"));
+        }
         if let Some(node) = mesh.nodal_mass.iter().position(|&mass| mass <= 0.0) {
             return invalid(
                 "nodal_mass",
@@ -407,7 +415,9 @@ impl Partner {
 
 impl Drop for Partner {
     fn drop(&mut self) {
-        if !self.finished && !self.channel.peer_is_gone() && self.send(&ToEngine::Finish).is_ok() {
+        // After a loss everybody ends by itself, with the exit code that says so.
+        let over = self.finished || self.channel.peer_is_gone() || self.channel.anyone_is_lost();
+        if !over && self.send(&ToEngine::Finish).is_ok() {
             // The buffers must outlive the engine's look at them.
             self.channel.wait_for_leave(Duration::from_secs(1));
         }

@@ -44,12 +44,16 @@ const SMALLEST: u64 = 4 << 20;
 
 /// `main` of a process of a run: enter, do `work`, log its error, leave, return the exit code.
 pub fn run(seat: &str, work: impl FnOnce(&RunSpace) -> Result<(), Error>) -> ExitCode {
-    let result = enter(seat).and_then(|runspace| work(&runspace));
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
+    ExitCode::from(u8::try_from(exit_code(seat, work)).unwrap_or(1))
+}
+
+/// The same, with the exit code as a number.
+pub fn exit_code(seat: &str, work: impl FnOnce(&RunSpace) -> Result<(), Error>) -> i32 {
+    match enter(seat).and_then(|runspace| work(&runspace)) {
+        Ok(()) => 0,
         Err(error) => {
             tracing::error!("{seat}: {error}");
-            ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(1))
+            error.exit_code()
         }
     }
 }

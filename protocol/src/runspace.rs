@@ -71,8 +71,12 @@ impl RunSpace {
 
     /// The run that the environment names (`SILLAGE_RUN`, `SILLAGE_ORCHESTRATOR`).
     pub fn from_environment() -> Result<RunSpace, Error> {
-        let id = std::env::var(ENV_RUN).map_err(|_| {
-            Error::memory(ENV_RUN, "not set: start this process through `sillage run`, or give all processes of a run the same name in it")
+        let id = std::env::var(ENV_RUN).map_err(|_| Error::Handshake {
+            who: "run".to_owned(),
+            why: format!(
+                "{ENV_RUN} is not set; start this process through `sillage run`, or give all \
+                 processes of a run the same name in it"
+            ),
         })?;
         let named = RunSpace::named(&id)?;
         let Ok(text) = std::env::var(ENV_ORCHESTRATOR) else {

@@ -17,6 +17,7 @@ use crate::engine::{FluidEngine, ParticleEngine};
 use crate::error::Error;
 use crate::field::Field;
 use crate::header::{FieldHeader, Stage};
+use crate::ipc::engine_link;
 use crate::links::{Counts, Moment};
 use crate::messages::{
     Advance, Capability, Configure, Diagnostic, Done, Failure, FailureKind, Hello, Ready, Role,
@@ -224,7 +225,7 @@ pub fn serve_particles(
 /// until `Finish`, returns the exit code.
 pub fn run_fluid(mut engine: impl FluidEngine) -> ExitCode {
     process::run(Role::Fluid.seat(), |runspace| {
-        let link = crate::ipc::open(runspace, Role::Fluid.engine_end())?;
+        let link = engine_link(runspace, Role::Fluid)?;
         serve_fluid(&mut engine, link)
     })
 }
@@ -232,7 +233,7 @@ pub fn run_fluid(mut engine: impl FluidEngine) -> ExitCode {
 /// `main` of a particle engine's process; see [`run_fluid`].
 pub fn run_particles(mut engine: impl ParticleEngine) -> ExitCode {
     process::run(Role::Particles.seat(), |runspace| {
-        let link = crate::ipc::open(runspace, Role::Particles.engine_end())?;
+        let link = engine_link(runspace, Role::Particles)?;
         serve_particles(&mut engine, link)
     })
 }

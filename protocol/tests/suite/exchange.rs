@@ -142,7 +142,7 @@ fn save_and_restore_bring_back_the_same_bits() {
     let path = std::env::temp_dir().join(format!("sillage-protocol-{}", std::process::id()));
     let mut fluid = spawn_fluid(|| ToyFluid::new(Fault::None)).unwrap();
     fluid.configure_fluid(&toy::fluid_scene(2)).unwrap();
-    let mut step = |fluid: &mut Partner, step| {
+    let step = |fluid: &mut Partner, step| {
         let mut pressure = Vec::new();
         fluid
             .advance(

@@ -45,7 +45,8 @@ fn each_wrong_header_value_is_refused_by_name() {
     let payload = payload();
     let good = EXPECTED.header();
     good.validate("fluid", &EXPECTED, &payload).unwrap();
-    let wrong: [(&str, fn(&mut FieldHeader)); 12] = [
+    type Spoil = fn(&mut FieldHeader);
+    let wrong: [(&str, Spoil); 12] = [
         ("protocol", |h| h.protocol = 2),
         ("field", |h| h.field = Field::SolidFlux.id()),
         ("field", |h| h.field = 999),
