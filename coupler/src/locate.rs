@@ -92,6 +92,13 @@ impl Locator {
 
     /// The stencil of a point. Just outside the mesh it is that of the nearest triangle, clipped.
     pub fn locate(&self, grain: usize, point: [f64; 2]) -> Result<Stencil, CouplerError> {
+        if !(point[0].is_finite() && point[1].is_finite()) {
+            return Err(CouplerError::GrainOutside {
+                grain,
+                x: point[0],
+                y: point[1],
+            });
+        }
         let inside = self.wrap(point);
         let centre = self.bin_of(inside);
         let mut nearest = (f64::INFINITY, 0_u32, [0.0; 3]);
@@ -106,7 +113,6 @@ impl Locator {
                 }
             }
         }
-        // NaN compares false: such a grain is "outside" as well
         if nearest.0 <= self.outside_max {
             Ok(self.stencil(nearest.1, nearest.2))
         } else {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use protocol::runspace::RunSpace;
+use coupler::error::CouplerError;
 
 /// Couple a fluid engine and a particle engine: owns the clock, the scheme, the transfer and drag.
 ///
@@ -21,15 +21,16 @@ struct Arguments {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    tracing_subscriber::fmt().with_writer(std::io::stderr).init();
-    let result = coupler::input::read(&arguments.scene).and_then(|(scene, grains)| {
-        let runspace = RunSpace::from_environment()?;
-        coupler::run::run(scene, &grains, &runspace)
-    });
+    let result = protocol::process::enter("coupler")
+        .map_err(CouplerError::from)
+        .and_then(|runspace| {
+            let (scene, grains) = coupler::input::read(&arguments.scene)?;
+            coupler::run::run(scene, &grains, &runspace)
+        });
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            tracing::error!("{error}");
+            tracing::error!("coupler: {error}");
             ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(1))
         }
     }

@@ -1,0 +1,52 @@
+//! Who depends on whom: every product crate on `protocol` alone among its siblings.
+
+use std::process::Command;
+
+#[test]
+fn nobody_links_an_engine_and_only_one_file_of_an_engine_names_the_protocol() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+    let output = Command::new(env!("CARGO"))
+        .args(["metadata", "--format-version", "1", "--no-deps", "--offline"])
+        .current_dir(root)
+        .output()
+        .expect("cargo metadata");
+    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let packages = metadata["packages"].as_array().expect("packages");
+    let siblings: Vec<&str> = packages.iter().filter_map(|package| package["name"].as_str()).collect();
+    println!("| package | depends on siblings |");
+    for package in packages {
+        let name = package["name"].as_str().expect("a name");
+        let mut on: Vec<&str> = package["dependencies"]
+            .as_array()
+            .expect("dependencies")
+            .iter()
+            .filter(|dependency| dependency["kind"].is_null())
+            .filter_map(|dependency| dependency["name"].as_str())
+            .filter(|dependency| siblings.contains(dependency))
+            .collect();
+        on.sort_unstable();
+        println!("| {name} | {on:?} |");
+        match name {
+            "tests" => {}
+            "protocol" => assert!(on.is_empty(), "the protocol depends on {on:?}"),
+            _ => assert_eq!(on, ["protocol"], "{name}"),
+        }
+    }
+    for engine in ["fluid-solver", "particle-solver"] {
+        let naming = files_naming_the_protocol(&format!("{root}/{engine}/src"));
+        println!("{engine}: {naming:?}");
+        assert!(naming.iter().all(|file| file == "serve.rs" || file == "main.rs"), "{engine}: {naming:?}");
+    }
+}
+
+fn files_naming_the_protocol(folder: &str) -> Vec<String> {
+    let mut naming = Vec::new();
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let text = std::fs::read_to_string(&path).unwrap_or_default();
+        if text.contains("protocol::") {
+            naming.push(path.file_name().expect("a name").to_string_lossy().into_owned());
+        }
+    }
+    naming
+}

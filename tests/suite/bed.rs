@@ -1,0 +1,158 @@
+//! Beds under through-flow: frozen, held by the floor, lifted.
+
+use coupler::coupling::Coupling;
+use protocol::configure::{Boundary, CouplerScene, Profile, Scheme, Wall};
+use protocol::engine::InitialGrains;
+use tests::grains::{disks, frozen, lattice};
+use tests::reference::{number, rows};
+use tests::{couple, fluid, mean, particles, scene, with_boundaries, with_uniform_diagonals};
+
+const GLASS: f64 = 2500.0;
+const WATER: f64 = 1000.0;
+const VISCOSITY: f64 = 1e-3;
+const RADIUS: f64 = 5e-5;
+const GRAVITY: [f64; 2] = [0.0, -9.81];
+
+/// Periodic column with inflow below and an open top.
+fn column(width: f64, height: f64, cells: [usize; 2], speed: f64) -> protocol::configure::FluidScene {
+    with_uniform_diagonals(with_boundaries(
+        fluid(WATER, VISCOSITY, GRAVITY, [0.0, 0.0], [width, height], cells),
+        &[
+            ("left", Boundary::Periodic),
+            ("right", Boundary::Periodic),
+            ("bottom", Boundary::Inflow { velocity: [0.0, speed], profile: Profile::Uniform }),
+            ("top", Boundary::Open { pressure: 0.0 }),
+        ],
+    ))
+}
+
+/// Pressure at the bottom minus that at the top, without the hydrostatic part \[Pa\].
+fn pressure_drop(coupling: &Coupling, height: f64) -> f64 {
+    let seat = coupling.fluid.as_ref().expect("a fluid");
+    let level = |y: f64| {
+        let at: Vec<f64> = (0..seat.pressure.len())
+            .filter(|node| (seat.mesh.node_position[2 * node + 1] - y).abs() < 1e-9 * height)
+            .map(|node| seat.pressure[node])
+            .collect();
+        at.iter().sum::<f64>() / at.len() as f64
+    };
+    level(0.0) - level(height) - WATER * 9.81 * height
+}
+
+#[test]
+fn the_pressure_drop_of_a_bed_of_frozen_grains_on_a_lattice_is_the_closed_form() {
+    println!("| porosity | U_s [m/s] | Δp/L closed form [Pa/m] | relative error |");
+    for row in rows("packed_bed.csv").iter().filter(|row| row[0] == "glass/water 100um" && row[1] == "2") {
+        let (porosity, speed, expected) = (number(row, 2), number(row, 3), number(row, 5));
+        let spacing = RADIUS * (std::f64::consts::PI / (1.0 - porosity)).sqrt();
+        let (width, height) = (8.0 * spacing, 32.0 * spacing);
+        let grains = frozen(disks(&lattice([0.0, 0.0], spacing, [8, 32]), &[RADIUS; 256], GLASS));
+        let mut engine = particles(GRAVITY);
+        engine.period = [Some(width), None];
+        let mut scene = scene(Some(column(width, height, [2, 8], speed)), Some(engine), 1.0, 3);
+        scene.smoothing_length = Some(0.0);
+        scene.scheme = Scheme::Staggered;
+        let mut coupling = couple(scene, &grains);
+        for _ in 0..20 {
+            coupling.advance(1.0).unwrap_or_else(|error| panic!("{error}"));
+        }
+        let error = (pressure_drop(&coupling, height) / (expected * height) - 1.0).abs();
+        println!("| {porosity} | {speed:.3e} | {expected:.6e} | {error:.1e} |");
+        assert!(error < 1e-3, "φ {porosity}: {error}");
+    }
+}
+
+/// Columns of touching disks on a floor: porosity 0.4, four grains across and 4 high in a cell.
+struct Bed {
+    width: f64,
+    height: f64,
+    grains: InitialGrains,
+    minimum_fluidisation: f64,
+    drag: f64,
+}
+
+const BED_POROSITY: f64 = 0.4;
+
+fn touching_columns() -> Bed {
+    let across = std::f64::consts::PI * RADIUS / (2.0 * (1.0 - BED_POROSITY));
+    let (columns, layers) = (8, 48);
+    let place = |k: usize| [((k % columns) as f64 + 0.5) * across, (2 * (k / columns) + 1) as f64 * RADIUS];
+    let centres: Vec<[f64; 2]> = (0..columns * layers).map(place).collect();
+    let fluidisation = rows("packed_bed.csv")
+        .iter()
+        .find(|row| row[0] == "glass/water 100um" && row[1] == "2" && number(row, 2) == BED_POROSITY)
+        .map(|row| number(row, 8))
+        .expect("a row at the bed's porosity");
+    // γ at that flow: weight in the fluid over slip
+    let weight = std::f64::consts::PI * RADIUS * RADIUS * (GLASS - WATER) * 9.81;
+    Bed {
+        width: columns as f64 * across,
+        height: 16.0 * 8.0 * RADIUS,
+        grains: disks(&centres, &vec![RADIUS; centres.len()], GLASS),
+        minimum_fluidisation: fluidisation,
+        drag: BED_POROSITY * weight / (fluidisation / BED_POROSITY),
+    }
+}
+
+fn bed_scene(bed: &Bed, speed: f64, dt: f64) -> CouplerScene {
+    let mut engine = particles(GRAVITY);
+    engine.period = [Some(bed.width), None];
+    engine.walls = vec![Wall { a: [-bed.width, 0.0], b: [2.0 * bed.width, 0.0] }];
+    let mut scene = scene(Some(column(bed.width, bed.height, [2, 16], speed)), Some(engine), dt, 1);
+    scene.smoothing_length = Some(0.0);
+    scene
+}
+
+#[test]
+fn a_bed_held_by_its_floor_has_the_pressure_drop_of_frozen_grains_within_three_steps() {
+    let bed = touching_columns();
+    let speed = 0.5 * bed.minimum_fluidisation;
+    println!("| a = γΔt/m | step | Δp/frozen | passes | displacement/r |");
+    for exponent in [-3, 0, 3, 6] {
+        let dt = 10_f64.powi(exponent) * bed.grains.mass[0] / bed.drag;
+        let mut still = couple(bed_scene(&bed, speed, dt), &frozen(bed.grains.clone()));
+        let mut held = couple(bed_scene(&bed, speed, dt), &bed.grains);
+        for step in 1..=6 {
+            still.advance(dt).unwrap_or_else(|error| panic!("{error}"));
+            let report = held.advance(dt).unwrap_or_else(|error| panic!("a 1e{exponent} step {step}: {error}"));
+            let ratio = pressure_drop(&held, bed.height) / pressure_drop(&still, bed.height);
+            let moved = displacement(&held, &bed.grains) / RADIUS;
+            println!("| 1e{exponent} | {step} | {ratio:.5} | {} | {moved:.1e} |", report.passes);
+            if step >= 3 {
+                assert!((ratio - 1.0).abs() < 0.01, "a 1e{exponent} step {step}: {ratio}");
+            }
+            assert!(moved < 1e-3, "a 1e{exponent}: grains moved by {moved} radii");
+        }
+    }
+}
+
+#[test]
+fn a_uniform_bed_stays_below_minimum_fluidisation_and_lifts_above_it() {
+    let bed = touching_columns();
+    println!("| U/U_mf | a | step | mean v/(U − U_mf) | passes | held |");
+    for exponent in [0, 3] {
+        for ratio in [0.95, 1.05] {
+            let dt = 10_f64.powi(exponent) * bed.grains.mass[0] / bed.drag;
+            let mut coupling = couple(bed_scene(&bed, ratio * bed.minimum_fluidisation, dt), &bed.grains);
+            let mut last = 0.0;
+            for step in 1..=30 {
+                let report = coupling.advance(dt).unwrap_or_else(|error| panic!("U/U_mf {ratio} a 1e{exponent} step {step}: {error}"));
+                last = mean(&coupling.grains.velocity, 1) / ((ratio - 1.0).abs() * bed.minimum_fluidisation);
+                let held = coupling.grains.contact.iter().filter(|&&state| state == 2.0).count();
+                if step <= 6 || step % 10 == 0 {
+                    println!("| {ratio} | 1e{exponent} | {step} | {last:.4} | {} | {held} |", report.passes);
+                }
+                assert!(report.passes <= 15, "U/U_mf {ratio} a 1e{exponent} step {step}: {} passes", report.passes);
+            }
+            if ratio < 1.0 {
+                assert!(last.abs() < 1e-3, "the bed creeps: {last}");
+            } else {
+                assert!(last > 0.3, "the bed does not lift: {last}");
+            }
+        }
+    }
+}
+
+fn displacement(coupling: &Coupling, grains: &InitialGrains) -> f64 {
+    coupling.grains.position.iter().zip(&grains.position).map(|(x, start)| (x - start).abs()).fold(0.0, f64::max)
+}

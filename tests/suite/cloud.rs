@@ -1,0 +1,291 @@
+//! Falling clouds against an independent spectral solution and an independent two-fluid solver.
+
+use coupler::coupling::{Coupling, StepReport};
+use protocol::configure::{CouplerScene, Scheme};
+use protocol::engine::InitialGrains;
+use tests::grains::{Noise, disks, sunflower};
+use tests::reference::{number, rows};
+use tests::{box_walls, couple, fluid, mean, orders, particles, scene};
+
+const DENSITY: f64 = 1200.0;
+const VISCOSITY: f64 = 0.12;
+
+/// A disk of grains in a closed no-slip box; lengths in cloud radii, times in μ/(f R).
+struct Cloud {
+    radius: f64,
+    /// c of the cloud
+    solid_fraction: f64,
+    grain_density: f64,
+    density: f64,
+    gravity: f64,
+    /// width and height of the box, height of the centre, all over R
+    box_size: [f64; 2],
+    centre: f64,
+    cells_per_radius: usize,
+    count: usize,
+    convection: bool,
+}
+
+impl Cloud {
+    /// The cloud of V1: box 10R×30R, centre 5R below the top, real materials, ten times gravity.
+    fn in_tall_box(cells_per_radius: usize) -> Cloud {
+        Cloud {
+            radius: 1.25e-3,
+            solid_fraction: 0.02,
+            grain_density: 2.0 * DENSITY,
+            density: DENSITY,
+            gravity: 98.1,
+            box_size: [10.0, 30.0],
+            centre: 25.0,
+            cells_per_radius,
+            count: 2000,
+            convection: true,
+        }
+    }
+
+    /// Inertia scaled away at the same force per area.
+    fn creeping(mut self) -> Cloud {
+        let scale = 1e-6;
+        self.density *= scale;
+        self.grain_density *= scale;
+        self.gravity /= scale;
+        self.convection = false;
+        self
+    }
+
+    fn force(&self) -> f64 {
+        self.solid_fraction * (self.grain_density - self.density) * self.gravity
+    }
+
+    fn time_unit(&self) -> f64 {
+        VISCOSITY / (self.force() * self.radius)
+    }
+
+    fn speed_unit(&self) -> f64 {
+        self.force() * self.radius * self.radius / VISCOSITY
+    }
+
+    fn grain_radius(&self) -> f64 {
+        self.radius * (self.solid_fraction / self.count as f64).sqrt()
+    }
+
+    fn grains(&self) -> InitialGrains {
+        let centre = [0.0, self.centre * self.radius];
+        disks(&sunflower(centre, self.radius, self.count), &vec![self.grain_radius(); self.count], self.grain_density)
+    }
+
+    fn scene(&self, step: f64) -> CouplerScene {
+        let gravity = [0.0, -self.gravity];
+        let half = 0.5 * self.box_size[0] * self.radius;
+        let (lower, upper) = ([-half, 0.0], [half, self.box_size[1] * self.radius]);
+        let cells = self.box_size.map(|size| (size * self.cells_per_radius as f64).round() as usize);
+        let mut fluid = fluid(self.density, VISCOSITY, gravity, lower, upper, cells);
+        fluid.convection = self.convection;
+        let mut engine = particles(gravity);
+        engine.walls = box_walls(lower, upper);
+        engine.tolerance = 1e-3;
+        scene(Some(fluid), Some(engine), step * self.time_unit(), 1)
+    }
+}
+
+fn advance(coupling: &mut Coupling, dt: f64) -> StepReport {
+    let step = coupling.step + 1;
+    coupling.advance(dt).unwrap_or_else(|error| panic!("step {step}: {error}"))
+}
+
+#[test]
+fn the_first_fall_velocity_of_a_creeping_cloud_converges_to_the_spectral_solution() {
+    // closed form in the box (cloud_in_box.csv, 10×30, centre 5R below the top) times the viscosity
+    // factor φ of the cloud, symmetric stress, c = 0.02
+    let reference = rows("cloud_in_box.csv")
+        .iter()
+        .find(|row| [number(row, 0), number(row, 1), number(row, 2)] == [10.0, 30.0, 5.0])
+        .map(|row| number(row, 3))
+        .expect("a row")
+        * 1.0023;
+    let mut table = Vec::new();
+    println!("| h | V/(fR²/μ) | error | third law | passes |");
+    for cells in [4, 6, 12] {
+        let cloud = Cloud::in_tall_box(cells).creeping();
+        let scene = cloud.scene(1e-3);
+        let dt = scene.coupling_step;
+        let mut coupling = couple(scene, &cloud.grains());
+        let mut report = StepReport::default();
+        for _ in 0..4 {
+            report = advance(&mut coupling, dt);
+        }
+        let speed = -mean(&coupling.grains.velocity, 1) / cloud.speed_unit();
+        let error = (speed / reference - 1.0).abs();
+        println!("| R/{cells} | {speed:.5} | {:.2} % | {:.0e} | {} |", 100.0 * error, report.budget.third_law_defect, report.passes);
+        assert!(report.budget.third_law_defect < 1e-10);
+        assert_eq!(report.passes, 1);
+        table.push((1.0 / cells as f64, error));
+    }
+    let orders = orders(&table);
+    println!("orders {orders:.2?}");
+    assert!(table[1].1 <= 0.015, "R/6: {}", table[1].1);
+    assert!(table[2].1 <= 0.004, "R/12: {}", table[2].1);
+    assert!(orders[1] >= 1.9, "{orders:?}");
+}
+
+#[test]
+fn a_cloud_of_the_papers_grains_is_stable_in_one_pass_for_any_step() {
+    println!("| Δt* | a | t* | V | passes | energy defect | third law |");
+    for (step, count) in [(0.05, 20), (0.25, 20), (1.0, 20), (4.0, 6), (20.0, 4)] {
+        let cloud = Cloud::in_tall_box(4);
+        let scene = cloud.scene(step);
+        let dt = scene.coupling_step;
+        let mut coupling = couple(scene, &cloud.grains());
+        for index in 1..=count {
+            let report = advance(&mut coupling, dt);
+            let speed = -mean(&coupling.grains.velocity, 1) / cloud.speed_unit();
+            let stiffness = 11.52 * VISCOSITY * dt / coupling.grains.mass[0];
+            if index == count || index == 1 {
+                let budget = report.budget;
+                println!(
+                    "| {step} | {stiffness:.0e} | {} | {speed:.4} | {} | {:.0e} | {:.0e} |",
+                    step * f64::from(index), report.passes, budget.energy_defect, budget.third_law_defect
+                );
+            }
+            assert_eq!(report.passes, 1);
+            assert!(report.budget.third_law_defect < 1e-10);
+            assert!(speed > 0.0 && speed < 0.26, "Δt* {step} step {index}: {speed}");
+        }
+    }
+}
+
+#[test]
+fn the_energy_of_a_cloud_run_is_accounted_for() {
+    let mut cloud = Cloud::in_tall_box(6);
+    cloud.solid_fraction = 0.2;
+    cloud.gravity = 9.81;
+    let scene = cloud.scene(0.4);
+    let dt = scene.coupling_step;
+    let mut coupling = couple(scene, &cloud.grains());
+    println!("| t* | power of gravity [W/m] | drag | defect |");
+    for index in 1..=10 {
+        let budget = advance(&mut coupling, dt).budget;
+        println!("| {:.1} | {:.3e} | {:.3e} | {:.1e} |", 0.4 * f64::from(index), budget.gravity_power, budget.drag_dissipation, budget.energy_defect);
+        assert!(budget.energy_defect < 1e-3, "step {index}: {}", budget.energy_defect);
+    }
+}
+
+#[test]
+fn a_stiff_cloud_that_collides_takes_few_passes_and_falls_as_with_many() {
+    let fall = |tolerance: f64, passes_max: u32| {
+        let mut cloud = Cloud::in_tall_box(4);
+        cloud.solid_fraction = 0.6;
+        cloud.gravity = 9.81;
+        cloud.count = 1000;
+        let mut scene = cloud.scene(0.4);
+        scene.scheme = Scheme::Iterated { tolerance, passes_max };
+        let dt = scene.coupling_step;
+        let mut grains = cloud.grains();
+        let mut noise = Noise::new(7);
+        let shift = 0.3 * cloud.grain_radius();
+        grains.position.iter_mut().for_each(|x| *x += noise.around(shift));
+        let start = mean(&grains.position, 1);
+        let mut coupling = couple(scene, &grains);
+        let (mut passes, mut contacts) = (0, 0);
+        let stiffness = 11.52 * VISCOSITY * dt / coupling.grains.mass[0];
+        for _ in 0..25 {
+            passes += advance(&mut coupling, dt).passes;
+            contacts += coupling.grains.contact.iter().filter(|&&state| state > 0.0).count();
+        }
+        ((start - mean(&coupling.grains.position, 1)) / cloud.radius, f64::from(passes) / 25.0, contacts as f64 / 25.0, stiffness)
+    };
+    let (few, passes, contacts, stiffness) = fall(1e-3, 40);
+    let (many, passes_many, _, _) = fall(1e-6, 400);
+    println!("| tolerance | passes a step | fall/R | touching grains |");
+    println!("| 1e-3 | {passes} | {few:.5} | {contacts} |");
+    println!("| 1e-6 | {passes_many} | {many:.5} | |   a = {stiffness:.0e}");
+    assert!(contacts > 50.0, "the cloud does not collide: {contacts}");
+    assert!(stiffness > 1e4);
+    assert!(passes <= 3.0, "{passes} passes a step");
+    assert!((few / many - 1.0).abs() < 5e-3, "{few} for {many}");
+}
+
+#[test]
+#[ignore = "takes 15 min: cargo test --release -p tests --test suite -- --ignored showcase --nocapture"]
+fn the_showcase_follows_the_independent_two_fluid_solution() {
+    // viscosity and grain inertia of the reference: c = 0.02 and ρ_p = 11 ρ
+    let cloud = Cloud {
+        radius: 3.708e-3,
+        solid_fraction: 0.02,
+        grain_density: 11.0 * DENSITY,
+        density: DENSITY,
+        gravity: 9.81,
+        box_size: [20.0, 60.0],
+        centre: 54.0,
+        cells_per_radius: 6,
+        count: 2000,
+        convection: true,
+    };
+    let scene = cloud.scene(0.4);
+    let dt = scene.coupling_step;
+    let grains = cloud.grains();
+    let start = mean(&grains.position, 1);
+    let mut coupling = couple(scene, &grains);
+    let reference = rows("cloud_ga10.csv");
+    let mut fastest = (0.0, 0.0);
+    let mut off_axis_since = None;
+    println!("| t* | fall/R | V | width/R | reference fall | V | width |");
+    for index in 1..=375 {
+        advance(&mut coupling, dt);
+        let time = 0.4 * f64::from(index);
+        let speed = -mean(&coupling.grains.velocity, 1) / cloud.speed_unit();
+        if speed > fastest.1 {
+            fastest = (time, speed);
+        }
+        let offset = overpressure_offset(&coupling, &cloud);
+        if offset < 0.5 {
+            off_axis_since = None;
+        } else if off_axis_since.is_none() {
+            off_axis_since = Some(time);
+        }
+        let Some(row) = reference.iter().find(|row| (number(row, 0) - time).abs() < 1e-9) else { continue };
+        let fall = (start - mean(&coupling.grains.position, 1)) / cloud.radius;
+        let width = width(&coupling) / cloud.radius;
+        let [fall_ref, speed_ref, width_ref] = [4, 8, 12].map(|column| number(row, column));
+        println!("| {time:.0} | {fall:.3} | {speed:.4} | {width:.3} | {fall_ref:.3} | {speed_ref:.4} | {width_ref:.3} |");
+        if [10.0, 20.0, 40.0, 60.0].iter().any(|t| (t - time).abs() < 1e-9) {
+            for (found, expected) in [(fall, fall_ref), (speed, speed_ref), (width, width_ref)] {
+                assert!((found / expected - 1.0).abs() < 0.02, "t* {time}: {found} for {expected}");
+            }
+        }
+    }
+    let lobes = lobe_count(&coupling, &cloud);
+    println!("V_max {:.4} at t* = {:.1}; overpressure off the axis from t* = {off_axis_since:?}; lobes {lobes}", fastest.1, fastest.0);
+    assert!((fastest.1 / 0.2005 - 1.0).abs() < 0.02);
+    assert!(off_axis_since.is_some_and(|time| (time - 70.0).abs() <= 5.0), "{off_axis_since:?}");
+    assert_eq!(lobes, 2);
+}
+
+fn width(coupling: &Coupling) -> f64 {
+    let x = coupling.grains.position.iter().step_by(2);
+    x.clone().fold(f64::NEG_INFINITY, |a, &b| a.max(b)) - x.fold(f64::INFINITY, |a, &b| a.min(b))
+}
+
+/// Distance from the axis of the largest overpressure below the cloud's centre, over R.
+fn overpressure_offset(coupling: &Coupling, cloud: &Cloud) -> f64 {
+    let seat = coupling.fluid.as_ref().expect("a fluid");
+    let centre = mean(&coupling.grains.position, 1);
+    let below = coupling.grains.position.iter().skip(1).step_by(2).fold(f64::INFINITY, |a, &b| a.min(b));
+    let node = |a: usize| [seat.mesh.node_position[2 * a], seat.mesh.node_position[2 * a + 1]];
+    let near = |a: &usize| (below - 2.0 * cloud.radius..centre + cloud.radius).contains(&node(*a)[1]);
+    let over = |a: usize| seat.pressure[a] + cloud.density * cloud.gravity * node(a)[1];
+    let top = (0..seat.pressure.len()).filter(near).max_by(|&a, &b| over(a).total_cmp(&over(b))).expect("nodes");
+    node(top)[0].abs() / cloud.radius
+}
+
+/// Peaks of the density of grains across the box, in bins of half a radius, smoothed.
+fn lobe_count(coupling: &Coupling, cloud: &Cloud) -> usize {
+    let mut bins = [0.0_f64; 40];
+    for x in coupling.grains.position.iter().step_by(2) {
+        let bin = ((x / cloud.radius + 10.0) / 0.5).clamp(0.0, 39.0) as usize;
+        bins[bin] += 1.0;
+    }
+    let smooth: Vec<f64> = (0..40).map(|i| (-2_i32..=2).map(|k| bins[(i + k).clamp(0, 39) as usize]).sum::<f64>() / 5.0).collect();
+    let floor = 0.5 * smooth.iter().copied().fold(0.0, f64::max);
+    (0..40).filter(|&i| smooth[i] > floor && (i == 0 || smooth[i - 1] <= floor)).count()
+}

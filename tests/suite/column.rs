@@ -1,0 +1,89 @@
+//! A closed column of a uniform suspension: one-dimensional, with a closed form at every step.
+
+use protocol::configure::{Boundary, DragLaw, Scheme};
+use protocol::engine::InitialGrains;
+use tests::grains::lattice;
+use tests::{couple, fluid, particles, scene, with_boundaries, with_uniform_diagonals};
+
+const PER_CELL: usize = 4;
+const ROWS: usize = 24;
+/// Stokes drag of a disk without hindrance is 12 μ for every radius and porosity.
+const VISCOSITY: f64 = 0.1;
+const DENSITY: f64 = 1000.0;
+
+/// Grains whose contact radius is a tenth of the radius of their volume: no contact at any porosity.
+fn suspension(porosity: f64, ratio: f64) -> (InitialGrains, f64) {
+    let radius = 1e-4_f64;
+    let volume = std::f64::consts::PI * radius * radius;
+    let spacing = (volume / (1.0 - porosity)).sqrt();
+    let centres = lattice([0.0, 0.0], spacing, [PER_CELL, PER_CELL * ROWS]);
+    let count = centres.len();
+    let grains = InitialGrains {
+        position: centres.into_iter().flatten().collect(),
+        velocity: vec![0.0; 2 * count],
+        radius: vec![0.1 * radius; count],
+        mass: vec![ratio * DENSITY * volume; count],
+        volume: vec![volume; count],
+        fixed: vec![0.0; count],
+    };
+    (grains, PER_CELL as f64 * spacing)
+}
+
+#[test]
+fn a_closed_uniform_column_settles_monotonically_as_its_closed_form_at_every_stiffness() {
+    println!("| porosity | a = γΔt/m | ρ_p/ρ | worst error / slip | last |");
+    let mut worst_of_all = 0.0_f64;
+    for porosity in [0.1, 0.3, 0.6, 0.95] {
+        for stiffness in [1e-3, 1.0, 1e3, 1e8] {
+            for ratio in [1e-3, 0.5, 2.0, 1e3] {
+                let (worst, last, monotone) = settle(porosity, stiffness, ratio);
+                println!("| {porosity} | {stiffness:e} | {ratio:e} | {worst:.1e} | {last:.6} |");
+                worst_of_all = worst_of_all.max(worst);
+                assert!(monotone, "not monotone: φ {porosity} a {stiffness} ratio {ratio}");
+                assert!(worst < 1e-6, "φ {porosity} a {stiffness} ratio {ratio}: {worst}");
+            }
+        }
+    }
+    println!("worst of all {worst_of_all:.1e}");
+}
+
+/// Worst distance from the closed form over 20 steps, relative to the final velocity; last velocity
+/// relative to it; and whether every step came closer to it.
+///
+/// With no net flux the slip obeys [φρ_p + (1−φ)ρ] w' = (ρ_p−ρ) g − γ w/(φ V) (1−φ)…: backward Euler
+/// of it is w ← (w + Δt/τ w∞)/(1 + Δt/τ), τ = φ τ_p [φ + (1−φ) ρ/ρ_p], and grains move with φ w.
+fn settle(porosity: f64, stiffness: f64, ratio: f64) -> (f64, f64, bool) {
+    let (grains, width) = suspension(porosity, ratio);
+    let drag = 12.0 * VISCOSITY;
+    let (mass, volume) = (grains.mass[0], grains.volume[0]);
+    let relaxation = mass / drag;
+    let dt = stiffness * relaxation;
+    // so weak that no grain moves by more than 1e-10 of a cell in the test
+    let slip_target = 1e-10 * width / dt / 20.0;
+    let gravity = slip_target * drag / (porosity * volume * DENSITY * (ratio - 1.0_f64).abs());
+    let slip = slip_target * (ratio - 1.0).signum();
+    let fluid = with_uniform_diagonals(with_boundaries(
+        fluid(DENSITY, VISCOSITY, [0.0, -gravity], [0.0, 0.0], [width, ROWS as f64 * width], [1, ROWS]),
+        &[("left", Boundary::Periodic), ("right", Boundary::Periodic), ("bottom", Boundary::Slip), ("top", Boundary::Slip)],
+    ));
+    let mut engine = particles([0.0, -gravity]);
+    engine.period = [Some(width), None];
+    let mut scene = scene(Some(fluid), Some(engine), dt, 20);
+    scene.drag = DragLaw::Stokes;
+    scene.scheme = Scheme::Staggered;
+    scene.smoothing_length = Some(0.0);
+    let mut coupling = couple(scene, &grains);
+    let tau = porosity * relaxation * (porosity + (1.0 - porosity) / ratio);
+    let (mut exact, mut worst, mut monotone, mut before) = (0.0, 0.0_f64, true, 0.0);
+    for _ in 0..20 {
+        coupling.advance(dt).unwrap_or_else(|error| panic!("{error}"));
+        exact = (exact + dt / tau * slip) / (1.0 + dt / tau);
+        let count = coupling.grains.count();
+        let middle = 2 * (count / 2) + 1;
+        let found = -coupling.grains.velocity[middle] / porosity;
+        worst = worst.max(((found - exact) / slip).abs());
+        monotone &= found / slip >= before - 1e-9 && found / slip <= 1.0 + 1e-6;
+        before = found / slip;
+    }
+    (worst, before, monotone)
+}

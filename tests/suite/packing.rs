@@ -1,0 +1,119 @@
+//! A random packing of disks in a box under a flow that is switched on: held, then lifted.
+
+use coupler::coupling::Coupling;
+use protocol::configure::{Boundary, CouplerScene, ParticleScene, Profile, Scheme, Wall};
+use protocol::engine::InitialGrains;
+use tests::grains::{Noise, disks, frozen, lattice};
+use tests::{couple, fluid, mean, particles, scene, with_boundaries};
+
+const DIAMETER: f64 = 1e-3;
+const WIDTH: f64 = 20.0 * DIAMETER;
+const HEIGHT: f64 = 25.0 * DIAMETER;
+const DENSITY: f64 = 1000.0;
+const GRAIN_DENSITY: f64 = 2000.0;
+const VISCOSITY: f64 = 0.1;
+const GRAVITY: [f64; 2] = [0.0, -9.81];
+
+fn container(friction: f64) -> ParticleScene {
+    let mut engine = particles(GRAVITY);
+    let wall = |a: [f64; 2], b: [f64; 2]| Wall { a, b };
+    engine.walls = vec![
+        wall([0.0, 4.0 * HEIGHT], [0.0, 0.0]),
+        wall([0.0, 0.0], [WIDTH, 0.0]),
+        wall([WIDTH, 0.0], [WIDTH, 4.0 * HEIGHT]),
+    ];
+    engine.friction = friction;
+    engine.wall_friction = friction;
+    engine.tolerance = 1e-4;
+    engine
+}
+
+/// 200 disks, ±10 %, rained into the box without fluid and left until they rest.
+fn packing(friction: f64) -> InitialGrains {
+    let mut noise = Noise::new(5);
+    let radii: Vec<f64> = (0..200).map(|_| 0.5 * DIAMETER * (1.0 + noise.around(0.1))).collect();
+    let centres: Vec<[f64; 2]> = lattice([0.0, 0.0], 1.2 * DIAMETER, [16, 13])
+        .iter()
+        .take(200)
+        .map(|x| [x[0] + 0.3 * DIAMETER + noise.around(0.04 * DIAMETER), x[1] + noise.around(0.04 * DIAMETER)])
+        .collect();
+    let mut grains = disks(&centres, &radii, GRAIN_DENSITY);
+    let dt = 2e-4;
+    let mut coupling = couple(scene(None, Some(container(friction)), dt, 1), &grains);
+    for step in 1..=2000 {
+        coupling.advance(dt).unwrap_or_else(|error| panic!("packing, step {step}: {error}"));
+    }
+    let speed = coupling.grains.velocity.iter().fold(0.0_f64, |max, v| max.max(v.abs()));
+    assert!(speed < 1e-3, "the packing moves at {speed} m/s");
+    grains.position = coupling.grains.position.clone();
+    grains
+}
+
+fn through_flow(friction: f64, speed: f64, dt: f64) -> CouplerScene {
+    let fluid = with_boundaries(
+        fluid(DENSITY, VISCOSITY, GRAVITY, [0.0, 0.0], [WIDTH, HEIGHT], [8, 10]),
+        &[
+            ("left", Boundary::Slip),
+            ("right", Boundary::Slip),
+            ("bottom", Boundary::Inflow { velocity: [0.0, speed], profile: Profile::Uniform }),
+            ("top", Boundary::Open { pressure: 0.0 }),
+        ],
+    );
+    let mut scene = scene(Some(fluid), Some(container(friction)), dt, 1);
+    scene.scheme = Scheme::Iterated { tolerance: 1e-3, passes_max: 40 };
+    scene
+}
+
+/// Pressure at the bottom without its hydrostatic part, over the packing's weight a width.
+fn carried_by_fluid(coupling: &Coupling) -> f64 {
+    let seat = coupling.fluid.as_ref().expect("a fluid");
+    let bottom: Vec<f64> = (0..seat.pressure.len())
+        .filter(|node| seat.mesh.node_position[2 * node + 1] == 0.0)
+        .map(|node| seat.pressure[node])
+        .collect();
+    let pressure = bottom.iter().sum::<f64>() / bottom.len() as f64 - DENSITY * 9.81 * HEIGHT;
+    let volume: f64 = coupling.grains.volume.iter().sum();
+    pressure * WIDTH / (volume * (GRAIN_DENSITY - DENSITY) * 9.81)
+}
+
+#[test]
+fn a_random_packing_takes_a_flow_switched_on_below_and_above_fluidisation() {
+    println!("| friction | U/U_mf | a | passes per step | carried by the fluid | mean rise/U_mf | momentum defect |");
+    for friction in [0.0, 0.3] {
+        let grains = packing(friction);
+        // the flow whose pressure drop on the frozen packing is its weight
+        let probe = 1e-6;
+        let mut still = couple(through_flow(friction, probe, 1.0), &frozen(grains.clone()));
+        for _ in 0..5 {
+            still.advance(1.0).unwrap_or_else(|error| panic!("{error}"));
+        }
+        let fluidisation = probe / carried_by_fluid(&still);
+        let mass = grains.mass.iter().sum::<f64>() / 200.0;
+        let drag = 11.52 * VISCOSITY * 0.2_f64.powf(-2.8);
+        for ratio in [0.5, 1.3] {
+            for stiffness in [1.0, 1e3, 1e6] {
+                let dt = stiffness * mass / drag;
+                let mut coupling = couple(through_flow(friction, ratio * fluidisation, dt), &grains);
+                let (mut passes, mut worst, mut fastest) = (Vec::new(), 0.0_f64, 0.0_f64);
+                // at most a tenth of a diameter of rise in all
+                let steps = ((0.1 * DIAMETER / (ratio * fluidisation * dt)) as usize).clamp(1, 20);
+                for step in 1..=steps {
+                    let report = coupling.advance(dt).unwrap_or_else(|error| {
+                        panic!("friction {friction} U/U_mf {ratio} a {stiffness} step {step}: {error}")
+                    });
+                    passes.push(report.passes);
+                    worst = worst.max(report.budget.momentum_defect);
+                    fastest = fastest.max(coupling.grains.velocity.iter().fold(0.0_f64, |max, v| max.max(v.abs())));
+                }
+                let carried = carried_by_fluid(&coupling);
+                let rise = mean(&coupling.grains.velocity, 1) / fluidisation;
+                println!("| {friction} | {ratio} | {stiffness:e} | {passes:?} | {carried:.4} | {rise:.3} | {worst:.1e} |");
+                assert!(worst <= 2e-3, "momentum defect {worst}");
+                assert!(fastest < 50.0 * ratio * fluidisation, "growth: {fastest} for U_mf {fluidisation}");
+                if ratio < 1.0 {
+                    assert!((carried / ratio - 1.0).abs() < 0.05, "carried {carried}");
+                }
+            }
+        }
+    }
+}

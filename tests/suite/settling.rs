@@ -1,0 +1,205 @@
+//! Suspensions: fronts, rest, growth of a heavy layer, the deferred correction.
+
+use protocol::configure::{Boundary, DragLaw, Scheme, Wall};
+use protocol::engine::InitialGrains;
+use tests::grains::{Noise, disks, lattice};
+use tests::reference::{number, rows};
+use tests::{box_walls, couple, fluid, mean, particles, scene, with_boundaries, with_uniform_diagonals};
+
+const GRAVITY: [f64; 2] = [0.0, -9.81];
+
+#[test]
+fn the_settling_front_of_a_column_moves_at_the_kynch_speed() {
+    let radius = 5e-5;
+    println!("| c0 | front [m/s] | Kynch | error |");
+    for row in rows("kynch.csv").iter().filter(|row| row[1] == "2") {
+        let (solid_fraction, expected) = (number(row, 2), number(row, 5));
+        let spacing = radius * (std::f64::consts::PI / solid_fraction).sqrt();
+        let counts = [5, (0.02 / spacing) as usize];
+        let (width, height) = (5.0 * spacing, counts[1] as f64 * spacing);
+        let rows = counts[1] / 2;
+        let fluid = with_uniform_diagonals(with_boundaries(
+            fluid(1000.0, 1e-3, GRAVITY, [0.0, 0.0], [width, height], [1, rows]),
+            &[("left", Boundary::Periodic), ("right", Boundary::Periodic), ("bottom", Boundary::Slip), ("top", Boundary::Slip)],
+        ));
+        let mut engine = particles(GRAVITY);
+        engine.period = [Some(width), None];
+        engine.walls = vec![Wall { a: [-width, 0.0], b: [2.0 * width, 0.0] }];
+        engine.tolerance = 1e-3;
+        let dt = 0.01;
+        let scene = scene(Some(fluid), Some(engine), dt, 1);
+        let centres = lattice([0.0, 0.0], spacing, counts);
+        let grains = disks(&centres, &vec![radius; centres.len()], 2500.0);
+        let mut coupling = couple(scene, &grains);
+        let rear = |position: &[f64]| -> f64 {
+            let mut y: Vec<f64> = position.iter().skip(1).step_by(2).copied().collect();
+            y.sort_by(f64::total_cmp);
+            y[y.len() - 5..].iter().sum::<f64>() / 5.0
+        };
+        let (mut early, mut late) = (0.0, 0.0);
+        for step in 1..=150 {
+            coupling.advance(dt).unwrap_or_else(|error| panic!("c0 {solid_fraction} step {step}: {error}"));
+            match step {
+                30 => early = rear(&coupling.grains.position),
+                150 => late = rear(&coupling.grains.position),
+                _ => {}
+            }
+        }
+        let front = (early - late) / (120.0 * dt);
+        let error = front / expected - 1.0;
+        println!("| {solid_fraction} | {front:.4e} | {expected:.4e} | {:.2} % |", 100.0 * error);
+        assert!(error.abs() < 0.01, "c0 {solid_fraction}: {error}");
+    }
+}
+
+#[test]
+fn neutral_grains_stay_at_rest_and_a_resting_bed_does_not_drift() {
+    let mut noise = Noise::new(3);
+    let centres: Vec<[f64; 2]> =
+        lattice([0.0, 0.0], 0.1, [10, 10]).iter().map(|x| [x[0] + noise.around(0.01), x[1] + noise.around(0.01)]).collect();
+    let (lower, upper) = ([0.0, 0.0], [1.0, 1.0]);
+    let mut engine = particles(GRAVITY);
+    engine.walls = box_walls(lower, upper);
+    let neutral = scene(Some(fluid(1000.0, 1.0, GRAVITY, lower, upper, [8, 8])), Some(engine.clone()), 1e-2, 50);
+    let mut coupling = couple(neutral, &disks(&centres, &[0.03; 100], 1000.0));
+    for _ in 0..50 {
+        coupling.advance(1e-2).unwrap_or_else(|error| panic!("{error}"));
+    }
+    let speed = coupling.grains.velocity.iter().fold(0.0_f64, |max, v| max.max(v.abs()));
+    println!("neutral grains: largest speed after 50 steps {speed:.1e} m/s");
+    assert!(speed < 1e-10);
+
+    // columns of touching disks on the floor of a closed box
+    let radius = 0.03;
+    let centres: Vec<[f64; 2]> = (0..50).map(|k| [0.1 + 0.1 * (k % 10) as f64 - 0.05, radius * (1 + 2 * (k / 10)) as f64]).collect();
+    let bed = scene(Some(fluid(1000.0, 1.0, GRAVITY, lower, upper, [8, 8])), Some(engine), 1e-2, 1000);
+    let grains = disks(&centres, &[radius; 50], 2500.0);
+    let mut coupling = couple(bed, &grains);
+    let mut passes = 0;
+    for step in 1..=1000 {
+        passes += coupling.advance(1e-2).unwrap_or_else(|error| panic!("step {step}: {error}")).passes;
+    }
+    let drift = coupling.grains.position.iter().zip(&grains.position).map(|(x, start)| (x - start).abs()).fold(0.0, f64::max);
+    println!("resting bed: drift after 1000 steps {:.1e} radii, {} passes a step", drift / radius, f64::from(passes) / 1000.0);
+    assert!(drift / radius < 1e-3, "drift {drift}");
+}
+
+#[test]
+fn a_heavy_layer_above_grows_at_the_rate_of_two_viscous_layers() {
+    let row = rows("rayleigh_taylor.csv").into_iter().find(|row| number(row, 2) == 0.9).expect("a row");
+    let expected = number(&row, 6);
+    let mut errors = Vec::new();
+    println!("| h [mm] | growth [1/s] | theory | error |");
+    for cells in [20, 40] {
+        let growth = rayleigh_taylor(cells);
+        let error = growth / expected - 1.0;
+        println!("| {} | {growth:.3} | {expected:.3} | {:.1} % |", 10.0 / cells as f64, 100.0 * error);
+        errors.push(error.abs());
+    }
+    let order = (errors[0] / errors[1]).log2();
+    println!("order {order:.2}");
+    assert!(errors[1] < 0.06, "h = 0.25 mm: {}", errors[1]);
+    assert!(order > 0.8, "order {order}");
+}
+
+/// Growth rate of cos(kx) on the lower face of a layer of c = 0.1, wavelength and both depths 10 mm.
+fn rayleigh_taylor(cells: usize) -> f64 {
+    let (length, radius, solid_fraction) = (0.01, 5e-5, 0.1);
+    let wavenumber = 2.0 * std::f64::consts::PI / length;
+    let fluid = with_boundaries(
+        fluid(1200.0, 0.12, GRAVITY, [0.0, 0.0], [length, 2.0 * length], [cells, 2 * cells]),
+        &[("left", Boundary::Slip), ("right", Boundary::Slip)],
+    );
+    let mut engine = particles(GRAVITY);
+    engine.walls = box_walls([0.0, 0.0], [length, 2.0 * length]);
+    engine.tolerance = 1e-3;
+    let count = 36;
+    let spacing = length / count as f64;
+    let area = std::f64::consts::PI * radius * radius;
+    let centres: Vec<[f64; 2]> = lattice([0.0, length], spacing, [count, count])
+        .iter()
+        .map(|x| {
+            // displaced by the perturbation, which dies out towards the lid
+            let depth = (2.0 * length - x[1]) / length;
+            [x[0], x[1] + 1e-4 * (wavenumber * x[0]).cos() * depth]
+        })
+        .collect();
+    let mut grains = disks(&centres, &vec![radius; centres.len()], 2400.0);
+    // exactly c in the layer, whatever the lattice
+    let factor = solid_fraction * spacing * spacing / area;
+    grains.volume.iter_mut().for_each(|volume| *volume *= factor);
+    grains.mass.iter_mut().for_each(|mass| *mass *= factor);
+    let dt = 5e-3;
+    let mut coupling = couple(scene(Some(fluid), Some(engine), dt, 1), &grains);
+    let mut samples = Vec::new();
+    for step in 1..=100 {
+        coupling.advance(dt).unwrap_or_else(|error| panic!("step {step}: {error}"));
+        let time = dt * f64::from(step);
+        if time >= 0.1 {
+            let amplitude: f64 = (0..grains.mass.len())
+                .filter(|&i| i < count)
+                .map(|i| coupling.grains.velocity[2 * i + 1] * (wavenumber * coupling.grains.position[2 * i]).cos())
+                .sum();
+            samples.push((time, amplitude.abs().ln()));
+        }
+    }
+    slope(&samples)
+}
+
+fn slope(samples: &[(f64, f64)]) -> f64 {
+    let count = samples.len() as f64;
+    let (mean_x, mean_y) = (samples.iter().map(|s| s.0).sum::<f64>() / count, samples.iter().map(|s| s.1).sum::<f64>() / count);
+    let covariance: f64 = samples.iter().map(|s| (s.0 - mean_x) * (s.1 - mean_y)).sum();
+    covariance / samples.iter().map(|s| (s.0 - mean_x).powi(2)).sum::<f64>()
+}
+
+#[test]
+fn the_steady_flow_through_a_jittered_bed_does_not_depend_on_the_step() {
+    let with = [jittered(30.0, 600, true), jittered(1e5, 80, true)];
+    let without = [jittered(30.0, 600, false), jittered(1e5, 80, false)];
+    println!("| deferred correction | rms v/slip at a = 30 | at a = 1e5 |");
+    println!("| yes | {:.3} | {:.3} |", with[0], with[1]);
+    println!("| no | {:.3} | {:.3} |", without[0], without[1]);
+    assert!((with[0] / with[1] - 1.0).abs() < 0.1, "{with:?}");
+    assert!((without[0] / without[1] - 1.0).abs() > 0.2, "this test no longer sees the correction: {without:?}");
+}
+
+/// Root mean square of the grains' velocity over the slip, in a closed column of jittered grains.
+fn jittered(stiffness: f64, steps: usize, correction: bool) -> f64 {
+    let (radius, solid_fraction, density, ratio) = (1e-4_f64, 0.2, 1000.0, 2.5);
+    let spacing = radius * (std::f64::consts::PI / solid_fraction).sqrt();
+    let counts = [32, 64];
+    let (width, height) = (32.0 * spacing, 64.0 * spacing);
+    let mut noise = Noise::new(11);
+    let centres: Vec<[f64; 2]> = lattice([0.0, 0.0], spacing, counts)
+        .iter()
+        .map(|x| [x[0] + noise.around(0.35 * spacing), x[1] + noise.around(0.35 * spacing)])
+        .collect();
+    let mut grains: InitialGrains = disks(&centres, &vec![radius; centres.len()], ratio * density);
+    grains.radius.iter_mut().for_each(|r| *r *= 0.1); // no contacts
+    let viscosity = 0.1;
+    let drag = 12.0 * viscosity;
+    let dt = stiffness * grains.mass[0] / drag;
+    // weak gravity: the grains stay where they are
+    let slip = 1e-7 * spacing / (dt * steps as f64);
+    let gravity = slip * drag / ((1.0 - solid_fraction) * grains.volume[0] * density * (ratio - 1.0));
+    let fluid = with_uniform_diagonals(with_boundaries(
+        fluid(density, viscosity, [0.0, -gravity], [0.0, 0.0], [width, height], [8, 16]),
+        &[("left", Boundary::Periodic), ("right", Boundary::Periodic), ("bottom", Boundary::Slip), ("top", Boundary::Slip)],
+    ));
+    let mut engine = particles([0.0, -gravity]);
+    engine.period = [Some(width), None];
+    let mut scene = scene(Some(fluid), Some(engine), dt, steps);
+    scene.drag = DragLaw::Stokes;
+    scene.scheme = Scheme::Staggered;
+    scene.smoothing_length = Some(0.0);
+    let mut coupling = couple(scene, &grains);
+    coupling.options.deferred_correction = correction;
+    for step in 1..=steps {
+        coupling.advance(dt).unwrap_or_else(|error| panic!("step {step}: {error}"));
+    }
+    let velocity = &coupling.grains.velocity;
+    let (mean_x, mean_y) = (mean(velocity, 0), mean(velocity, 1));
+    let squares: f64 = velocity.chunks_exact(2).map(|v| (v[0] - mean_x).powi(2) + (v[1] - mean_y).powi(2)).sum();
+    (squares / centres.len() as f64).sqrt() / slip
+}
