@@ -1,1 +1,96 @@
-fn main() {}
+//! Assembly, factor and solve at 80 × 240 cells, the mesh of the showcase cloud.
+
+#![allow(missing_docs, reason = "criterion's macro makes a public function")]
+
+use std::time::Duration;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use fluid_solver::assembly::System;
+use fluid_solver::boundary::{Condition, Constraints};
+use fluid_solver::linear::LinearSolver;
+use fluid_solver::mesh::Mesh;
+use fluid_solver::point::{Carrier, Coefficients, ViscousForm};
+use fluid_solver::rectangle::Rectangle;
+use fluid_solver::state::{Flow, Solid, SolidFields};
+
+fn mesh() -> Mesh {
+    Rectangle::new([-0.037, 0.0], [0.037, 0.222], [80, 240])
+        .mesh()
+        .expect("a valid rectangle")
+}
+
+/// A cloud of drag and reduced porosity in the middle.
+fn solid(mesh: &Mesh) -> Solid {
+    let inside = |x: [f64; 2]| x[0].hypot(x[1] - 0.11) < 0.01;
+    let choose = |solid: f64, clear: f64| -> Vec<f64> {
+        mesh.position
+            .iter()
+            .map(|x| if inside(*x) { solid } else { clear })
+            .collect()
+    };
+    let (porosity, drag, entrained) = (choose(0.8, 1.0), choose(1e8, 0.0), choose(0.19, 0.0));
+    let fields = SolidFields {
+        porosity: Some(&porosity),
+        drag: Some(&drag),
+        entrained_fraction: Some(&entrained),
+        ..SolidFields::default()
+    };
+    Solid::new(&fields, mesh).expect("valid fields")
+}
+
+fn bench(c: &mut Criterion) {
+    let mesh = mesh();
+    let solid = solid(&mesh);
+    let conditions = vec![Condition::NoSlip; 4];
+    let constraints =
+        Constraints::new(&mesh, conditions, 1200.0, [0.0, -9.81]).expect("valid conditions");
+    let swirl = |x: &[f64; 2]| [1e-3 * (100.0 * x[1]).sin(), 1e-3 * (100.0 * x[0]).cos()];
+    let flow = Flow {
+        superficial_velocity: mesh.position.iter().map(swirl).collect(),
+        porosity: solid.matrix.porosity.clone(),
+    };
+    let carriers = [Carrier {
+        flow: &flow,
+        convects: 1.0,
+        history: 200.0,
+    }];
+    let terms = Coefficients {
+        density: 1200.0,
+        dynamic_viscosity: 0.12,
+        gravity: [0.0, -9.81],
+        viscous_form: ViscousForm::Symmetric,
+        grad_div: 1.0,
+        rate: 200.0,
+        newton: false,
+        body_force: None,
+        time: 0.0,
+        carriers: &carriers,
+        solid: &solid,
+    };
+    let mut system = System::new(&mesh);
+    let flux = vec![0.0; mesh.node_count()];
+    let given = vec![0.0; system.pattern.unknowns()];
+    let mut linear =
+        LinearSolver::new(&system.pattern, constraints.fixed.clone()).expect("an analysis");
+
+    let mut group = c.benchmark_group("80x240");
+    group
+        .sample_size(10)
+        .measurement_time(Duration::from_secs(5));
+    group.bench_function("assembly", |b| {
+        b.iter(|| system.assemble(&terms, &mesh, &constraints, &flux, true));
+    });
+    group.bench_function("right side only", |b| {
+        b.iter(|| system.assemble(&terms, &mesh, &constraints, &flux, false));
+    });
+    group.bench_function("factor", |b| {
+        b.iter(|| linear.factorise(&system).expect("a factor"))
+    });
+    group.bench_function("solve with refinement", |b| {
+        b.iter(|| linear.solve(&system, &given).expect("a solution"));
+    });
+    group.finish();
+}
+
+criterion_group!(benches, bench);
+criterion_main!(benches);

@@ -246,9 +246,9 @@ fn turn(frames: &[Option<[f64; 2]>], nodes: &[usize; 3], matrix: &mut Matrix, ri
         let (x, y) = (3 * k, 3 * k + 1);
         let turned = |a: f64, b: f64| (n[0] * a + n[1] * b, n[0] * b - n[1] * a);
         (right[x], right[y]) = turned(right[x], right[y]);
-        for column in 0..9 {
-            let (a, b) = turned(matrix[x][column], matrix[y][column]);
-            (matrix[x][column], matrix[y][column]) = (a, b);
+        let (first, second) = (matrix[x], matrix[y]);
+        for (column, (&a, &b)) in first.iter().zip(&second).enumerate() {
+            (matrix[x][column], matrix[y][column]) = turned(a, b);
         }
         for row in matrix.iter_mut() {
             (row[x], row[y]) = turned(row[x], row[y]);

@@ -99,6 +99,32 @@ pub fn resolve_names(
         .collect()
 }
 
+/// Directions in which a rectangle with these conditions is joined: both sides must say so.
+pub fn periodic_directions(named: &BTreeMap<String, Condition>) -> Result<[bool; 2], FluidError> {
+    let joined = |name: &str| {
+        matches!(
+            named.get(name).or_else(|| named.get("all")),
+            Some(Condition::Periodic)
+        )
+    };
+    let mut periodic = [false; 2];
+    for (direction, [a, b]) in [["left", "right"], ["bottom", "top"]]
+        .into_iter()
+        .enumerate()
+    {
+        if joined(a) != joined(b) {
+            let (name, other) = if joined(a) { (a, b) } else { (b, a) };
+            let why = format!("periodic here needs periodic on {other:?} as well");
+            return Err(FluidError::Boundary {
+                name: name.into(),
+                why,
+            });
+        }
+        periodic[direction] = joined(a);
+    }
+    Ok(periodic)
+}
+
 impl Constraints {
     /// Resolve the conditions, one a boundary of the mesh.
     pub fn new(
@@ -161,8 +187,8 @@ impl Constraints {
                     self.fixed[3 * node] = true;
                     self.fixed[3 * node + 1] = true;
                 }
-                NodeVelocity::Normal([_, y]) if y == 0.0 => self.fixed[3 * node] = true,
-                NodeVelocity::Normal([x, _]) if x == 0.0 => self.fixed[3 * node + 1] = true,
+                NodeVelocity::Normal([_, 0.0]) => self.fixed[3 * node] = true,
+                NodeVelocity::Normal([0.0, _]) => self.fixed[3 * node + 1] = true,
                 NodeVelocity::Normal(normal) => {
                     self.fixed[3 * node] = true;
                     self.frames[node] = Some(normal);
@@ -252,8 +278,8 @@ fn slip_normals(mesh: &Mesh, conditions: &[Condition], of_node: &mut [NodeVeloci
         for node in edge.node {
             let seen = *first[node].get_or_insert(edge.normal);
             sharp[node] |= seen[0] * edge.normal[0] + seen[1] * edge.normal[1] < 0.8;
-            for d in 0..2 {
-                sum[node][d] += edge.length * edge.normal[d];
+            for (sum, normal) in sum[node].iter_mut().zip(edge.normal) {
+                *sum += edge.length * normal;
             }
         }
     }

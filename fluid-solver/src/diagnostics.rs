@@ -27,7 +27,14 @@ use crate::momentum::dot;
 use crate::point::{Coefficients, Element, Point, ViscousForm};
 
 /// Names and values, in a fixed order.
-pub type Numbers = Vec<(&'static str, f64)>;
+pub type Numbers = Vec<(String, f64)>;
+
+/// Numbers from names that are known at compile time.
+pub(crate) fn named<const N: usize>(numbers: [(&str, f64); N]) -> Numbers {
+    numbers
+        .map(|(name, value)| (name.to_owned(), value))
+        .to_vec()
+}
 
 /// A solution with what is needed to judge it.
 pub struct Solved<'a> {
@@ -79,7 +86,7 @@ impl Powers {
 
     /// As diagnostics.
     pub fn numbers(&self) -> Numbers {
-        vec![
+        named([
             ("kinetic_energy", self.kinetic_energy),
             ("gravity_power", self.gravity),
             ("viscous_power", self.viscous),
@@ -89,7 +96,7 @@ impl Powers {
             ("solid_power", self.solid),
             ("source_power", self.source),
             ("energy_defect", self.defect()),
-        ]
+        ])
     }
 
     /// Sum of the magnitudes of the terms of (E) \[W/m\].
@@ -210,19 +217,27 @@ impl Solved<'_> {
             outer +=
                 0.5 * edge.length * (self.pressure[edge.node[0]] + self.pressure[edge.node[1]]);
         }
-        let mut numbers = vec![("inflow", inflow)];
+        let mut numbers = named([("inflow", inflow)]);
         if open > 0.0 {
-            numbers.push(("pressure_drop", pressure / length - outer / open));
+            numbers.push(("pressure_drop".to_owned(), pressure / length - outer / open));
         }
         numbers
     }
 
-    /// Is this boundary a wall or body on which a force is of interest?
-    pub fn is_wall(&self, boundary: usize) -> bool {
-        matches!(
-            self.constraints.condition(boundary),
-            Condition::NoSlip | Condition::Slip
-        )
+    /// Forces as diagnostics: `force_x_NAME` and `force_y_NAME` of walls and bodies \[N/m\].
+    pub fn wall_forces(&self, forces: &[[f64; 2]]) -> Numbers {
+        let mut numbers = Numbers::new();
+        for (boundary, (name, force)) in self.mesh.boundary_names.iter().zip(forces).enumerate() {
+            let wall = matches!(
+                self.constraints.condition(boundary),
+                Condition::NoSlip | Condition::Slip
+            );
+            if wall && self.mesh.edges.iter().any(|edge| edge.boundary == boundary) {
+                numbers.push((format!("force_x_{name}"), force[0]));
+                numbers.push((format!("force_y_{name}"), force[1]));
+            }
+        }
+        numbers
     }
 }
 

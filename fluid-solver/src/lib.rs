@@ -42,6 +42,7 @@ pub mod mesh;
 pub mod momentum;
 pub mod point;
 pub mod rectangle;
+pub mod serve;
 pub mod solve;
 pub mod stabilization;
 pub mod state;

@@ -1,3 +1,7 @@
-//! The fluid engine of Sillage as a process.
+//! The fluid engine as a process: speaks the protocol with the coupler, leaves when the run is over.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    fluid_solver::serve::run()
+}

@@ -174,8 +174,8 @@ mod tests {
         assert!((mesh.nodal_mass.iter().sum::<f64>() - 3.0).abs() < 1e-13);
         let outward = [[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
         for edge in &mesh.edges {
-            for d in 0..2 {
-                assert!((edge.normal[d] - outward[edge.boundary][d]).abs() < 1e-14);
+            for (normal, exact) in edge.normal.iter().zip(outward[edge.boundary]) {
+                assert!((normal - exact).abs() < 1e-14);
             }
         }
         assert_eq!(mesh.edges.len(), 24);

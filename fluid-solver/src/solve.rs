@@ -10,7 +10,7 @@ use std::time::Instant;
 use crate::assembly::System;
 use crate::boundary::Constraints;
 use crate::config::Nonlinear;
-use crate::diagnostics::Numbers;
+use crate::diagnostics::{Numbers, named};
 use crate::error::FluidError;
 use crate::linear::LinearSolver;
 use crate::mesh::Mesh;
@@ -62,7 +62,7 @@ pub struct Effort {
 impl Effort {
     /// As diagnostics.
     pub fn numbers(&self) -> Numbers {
-        vec![
+        named([
             ("linear_residual", self.backward_error),
             ("nonlinear_residual", self.nonlinear_residual),
             ("iterations", self.iterations as f64),
@@ -70,7 +70,7 @@ impl Effort {
             ("seconds_assembly", self.assembly),
             ("seconds_factor", self.factor),
             ("seconds_solve", self.solve),
-        ]
+        ])
     }
 }
 

@@ -40,7 +40,7 @@ impl Candidate {
     pub fn number(&self, name: &str) -> Option<f64> {
         self.diagnostics
             .iter()
-            .find(|(known, _)| *known == name)
+            .find(|(known, _)| known == name)
             .map(|(_, value)| *value)
     }
 }
@@ -258,11 +258,12 @@ impl FluidSolver {
             flux,
         };
         let powers = solved.powers();
-        let forces = (0..self.mesh.boundary_names.len())
+        let forces: Vec<_> = (0..self.mesh.boundary_names.len())
             .map(|k| solved.force_on(k))
             .collect();
         let mut diagnostics = powers.numbers();
         diagnostics.extend(solved.inflow());
+        diagnostics.extend(solved.wall_forces(&forces));
         diagnostics.extend(effort.numbers());
         let pressure_gradient = self.mesh.averaged_gradient(&pressure);
         let flow = Flow {

@@ -56,10 +56,10 @@ impl Exact {
             let v = velocity[d];
             let mut rate = if self.steady { 0.0 } else { v.first[2] };
             let mut stress = 0.0;
-            for f in 0..2 {
-                rate += velocity[f].value * v.first[f];
-                let strain = v.first[f] + velocity[f].first[d];
-                let bend = v.second[f][f] + velocity[f].second[d][f];
+            for (f, w) in velocity.iter().enumerate() {
+                rate += w.value * v.first[f];
+                let strain = v.first[f] + w.first[d];
+                let bend = v.second[f][f] + w.second[d][f];
                 stress += self.viscosity * (porosity.first[f] * strain + porosity.value * bend);
             }
             let inertia = self.density * porosity.value * rate;
