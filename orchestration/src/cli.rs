@@ -74,7 +74,7 @@ pub struct RunArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Run folder [default: runs/<scene>-<time>]
+    /// Run folder; an earlier run in it is replaced [default: runs/<scene>-<time>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// One JSON document on stdout at the end

@@ -6,14 +6,23 @@
 //! | `scene` | one TOML file → validated scene → `CouplerScene` |
 //! | `grains` | populations: where the grains are at t = 0 |
 //! | `plan` | which processes, terms and fields a scene needs |
+//! | `run` | a scene into a run folder |
 //! | `launch`, `watch` | child processes: start, wait, end |
+//! | `interrupt`, `progress` | Ctrl-C, and how far a run is |
 //! | `output` | run folder: `steps.csv`, ParaView files, pictures, `run.json` |
 //! | `doctor` | what this machine offers |
 
 pub mod cli;
+pub mod doctor;
 pub mod error;
 pub mod grains;
+pub mod interrupt;
+pub mod launch;
+pub mod output;
 pub mod plan;
+pub mod progress;
+pub mod run;
 pub mod scene;
+pub mod watch;
 
 pub use error::Error;

@@ -1,9 +1,9 @@
 //! `sillage`: the command line. Commands live in the library; here they are called.
 
 use clap::Parser;
-use orchestration::cli::{CheckArgs, Cli, Command, PlanArgs};
+use orchestration::cli::{CheckArgs, Cli, Command, DoctorArgs, PlanArgs, RunArgs};
 use orchestration::error::Error;
-use orchestration::{plan, scene};
+use orchestration::{doctor, plan, run, scene};
 use serde_json::json;
 
 fn main() {
@@ -17,7 +17,8 @@ fn main() {
     let (wants_json, outcome) = match Cli::parse().command {
         Command::Check(args) => (args.json, check(&args)),
         Command::Plan(args) => (args.json, show_plan(&args)),
-        Command::Run(_) | Command::Doctor(_) => (false, Ok(())),
+        Command::Run(args) => (args.json, run_scene(&args)),
+        Command::Doctor(args) => (args.json, examine(&args)),
     };
     if let Err(error) = outcome {
         report(&error, wants_json);
@@ -71,6 +72,43 @@ fn show_plan(args: &PlanArgs) -> Result<(), Error> {
         println!("{:#}", json!(plan));
     } else {
         print!("{plan}");
+    }
+    Ok(())
+}
+
+fn run_scene(args: &RunArgs) -> Result<(), Error> {
+    let scene = scene::load(
+        &args.scene.scene,
+        &args.scene.settings,
+        args.scene.threads(),
+    )?;
+    for warning in &scene.warnings {
+        eprintln!("{}: warning: {warning}", args.scene.scene.display());
+    }
+    let outcome = run::run(&scene, args.out.as_deref())?;
+    let (ending, folder) = (&outcome.ending, outcome.folder.display());
+    if args.json {
+        println!("{:#}", outcome.document);
+    } else {
+        let steps = &outcome.document["steps"];
+        println!("{folder}: {steps} steps in {:.1} s", ending.wall);
+    }
+    match &ending.why {
+        None => Ok(()),
+        Some(why) => {
+            // The document is on stdout already; main adds none.
+            eprintln!("sillage: {why}");
+            std::process::exit(ending.code);
+        }
+    }
+}
+
+fn examine(args: &DoctorArgs) -> Result<(), Error> {
+    let findings = doctor::examine(args.clean)?;
+    if args.json {
+        println!("{:#}", json!(findings));
+    } else {
+        print!("{findings}");
     }
     Ok(())
 }

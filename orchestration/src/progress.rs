@@ -1,0 +1,86 @@
+//! How far a run is: a bar on a terminal, plain lines otherwise, both on stderr.
+
+use std::io::{IsTerminal, stderr};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use protocol::messages::Diagnostic;
+
+/// Between two plain lines.
+const QUIET: Duration = Duration::from_secs(5);
+
+/// Shows how far a run is.
+pub struct Progress {
+    end_time: f64,
+    bar: Option<ProgressBar>,
+    begun: Instant,
+    spoken: Option<Instant>,
+    /// The last step accepted.
+    pub step: u64,
+    /// Its time \[s\].
+    pub time: f64,
+}
+
+impl Progress {
+    /// Of a run until `end_time` \[s\].
+    pub fn new(end_time: f64) -> Self {
+        let bar = stderr().is_terminal().then(|| {
+            let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
+            let style = "{bar:30} {msg}   {elapsed} elapsed, {eta} left";
+            if let Ok(style) = ProgressStyle::with_template(style) {
+                bar.set_style(style);
+            }
+            bar
+        });
+        Progress {
+            end_time,
+            bar,
+            begun: Instant::now(),
+            spoken: None,
+            step: 0,
+            time: 0.0,
+        }
+    }
+
+    /// A step was accepted.
+    pub fn step(&mut self, values: &[Diagnostic]) {
+        let value = |name: &str| values.iter().find(|v| v.name == name).map(|v| v.value);
+        self.step = value("step").map_or(self.step + 1, |step| step as u64);
+        self.time = value("time").unwrap_or(self.time);
+        let mut text = format!(
+            "step {}, t = {:.4} of {} s",
+            self.step, self.time, self.end_time
+        );
+        if let Some(passes) = value("passes").filter(|passes| *passes > 1.0) {
+            text += &format!(", {passes} passes");
+        }
+        let share = (self.time / self.end_time).clamp(0.0, 1.0);
+        match &self.bar {
+            Some(bar) => {
+                bar.set_position((1000.0 * share) as u64);
+                bar.set_message(text);
+            }
+            None if self.spoken.is_none_or(|spoken| spoken.elapsed() >= QUIET) => {
+                self.spoken = Some(Instant::now());
+                let elapsed = self.begun.elapsed().as_secs_f64();
+                eprintln!("{text} ({:.0} %), {elapsed:.1} s elapsed", 100.0 * share);
+            }
+            None => {}
+        }
+    }
+
+    /// Say something without disturbing the bar.
+    pub fn say(&self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.suspend(|| eprintln!("{text}")),
+            None => eprintln!("{text}"),
+        }
+    }
+
+    /// The run is over.
+    pub fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -1,0 +1,328 @@
+//! A run from the first message to the last process reaped.
+//!
+//! ```text
+//!   running ──Finished, Stopped, a child's end, Ctrl-C──► ending ──all reaped──► over
+//! ```
+//!
+//! Processes of a run watch each other: when one is lost the others leave by themselves within a
+//! second. What still runs after [`PATIENCE`] is ended: SIGTERM, then SIGKILL.
+
+use std::time::{Duration, Instant};
+
+use nix::sys::signal::Signal;
+use protocol::messages::ToOrchestrator;
+use protocol::monitor::MonitorReceiver;
+use protocol::runspace::RunSpace;
+
+use crate::error::exit_code;
+use crate::interrupt::Interrupts;
+use crate::launch::{self, Process};
+use crate::output::writer::Writer;
+use crate::progress::Progress;
+
+/// How long processes may take to leave by themselves.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// Between SIGTERM and SIGKILL.
+const MERCY: Duration = Duration::from_secs(1);
+/// How often children and interruptions are looked at.
+const TICK: Duration = Duration::from_millis(50);
+
+/// How a run ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verdict {
+    /// Exit code of the run.
+    pub code: i32,
+    /// Who, at which step, waiting for what; none when all went well.
+    pub why: Option<String>,
+}
+
+/// What the coupler said last.
+#[derive(Debug, Clone, PartialEq)]
+enum LastWord {
+    Finished,
+    Stopped { code: i32, why: String },
+}
+
+/// Watches over the processes of one run.
+pub struct Watch<'a> {
+    /// The run.
+    pub runspace: &'a RunSpace,
+    /// The coupler's messages.
+    pub monitor: MonitorReceiver,
+    /// The children.
+    pub processes: Vec<Process>,
+    /// Takes messages to the disk.
+    pub writer: &'a Writer,
+    /// Ctrl-C.
+    pub interrupts: Interrupts,
+    /// Shows how far the run is.
+    pub progress: Progress,
+}
+
+impl Watch<'_> {
+    /// Follow the run to its end; afterwards no process of it is left.
+    pub fn follow(&mut self) -> Verdict {
+        let mut state = State::default();
+        while self.processes.iter().any(|process| process.ended.is_none()) {
+            self.listen(&mut state);
+            self.look_at_children(&mut state);
+            self.heed_interrupts(&mut state);
+            self.insist(&mut state);
+        }
+        // What was sent before the coupler ended is still in the queue.
+        while state.connected && state.last_word.is_none() {
+            let before = state.messages;
+            self.listen(&mut state);
+            if state.messages == before {
+                break;
+            }
+        }
+        self.progress.finish();
+        self.judge(&state)
+    }
+
+    /// Take one message over, or wait a tick for it.
+    fn listen(&mut self, state: &mut State) {
+        if !state.connected {
+            std::thread::sleep(TICK);
+            return;
+        }
+        match self.monitor.next(TICK) {
+            Ok(None) => {}
+            Ok(Some(event)) => {
+                state.messages += 1;
+                match &event.message {
+                    ToOrchestrator::Started { .. } => state.started = true,
+                    ToOrchestrator::Step(values) => self.progress.step(values),
+                    ToOrchestrator::Finished(_) => state.hear(LastWord::Finished),
+                    ToOrchestrator::Stopped { code, why } => {
+                        state.hear(LastWord::Stopped {
+                            code: *code,
+                            why: why.clone(),
+                        });
+                    }
+                    ToOrchestrator::Snapshot { .. } => {}
+                }
+                self.writer.take(event);
+            }
+            Err(error) => {
+                tracing::debug!("no more messages: {error}");
+                state.connected = false;
+                state.broken = Some((error.exit_code(), error.to_string()));
+                state.begin_ending();
+            }
+        }
+    }
+
+    fn look_at_children(&mut self, state: &mut State) {
+        for process in &mut self.processes {
+            let ran = process.ended.is_none();
+            process.poll();
+            if ran && process.ended.is_some() {
+                tracing::info!("{} {}", process.seat, process.ending());
+                // Without effect unless it ended before it joined the run.
+                let _ = self.runspace.mark_lost(&process.seat);
+                state.begin_ending();
+            }
+        }
+    }
+
+    /// The first interruption asks the coupler to stop after its step; the second kills.
+    fn heed_interrupts(&mut self, state: &mut State) {
+        let count = self.interrupts.so_far();
+        if count > 0 && !state.asked_to_stop {
+            state.asked_to_stop = true;
+            if state.started && state.connected && self.monitor.stop().is_ok() {
+                self.progress
+                    .say("stopping after this step; once more to kill");
+            } else {
+                // Nothing was computed yet: there is no step to wait for.
+                self.signal(Signal::SIGTERM);
+                state.begin_ending();
+            }
+        }
+        if count > 1 && !state.killed {
+            state.killed = true;
+            launch::end(&mut self.processes);
+        }
+    }
+
+    /// Whoever stays behind is asked to leave, then made to.
+    fn insist(&mut self, state: &mut State) {
+        let Some(since) = state.ending_since else {
+            return;
+        };
+        if since.elapsed() > PATIENCE && !state.terminated {
+            state.terminated = true;
+            self.signal(Signal::SIGTERM);
+        }
+        if since.elapsed() > PATIENCE + MERCY {
+            launch::end(&mut self.processes);
+        }
+    }
+
+    fn signal(&mut self, signal: Signal) {
+        for process in &mut self.processes {
+            process.signal(signal);
+        }
+    }
+
+    /// Exit code and reason, from what was said and how the processes ended.
+    fn judge(&self, state: &State) -> Verdict {
+        let (step, time) = (self.progress.step, self.progress.time);
+        if state.asked_to_stop {
+            let how = if state.killed { "killed" } else { "stopped" };
+            let why = format!("interrupted: {how} after step {step}, t = {time:e} s");
+            return Verdict {
+                code: exit_code::INTERRUPTED,
+                why: Some(why),
+            };
+        }
+        let stopped = match &state.last_word {
+            Some(LastWord::Stopped { code, why }) => Some((*code, why.clone())),
+            _ => None,
+        };
+        if let Some(victim) = self.processes.iter().find(|process| process.was_killed()) {
+            let (seat, id) = (&victim.seat, victim.id);
+            let mut why = format!(
+                "the {seat} (process {id}) {} at step {}",
+                victim.ending(),
+                step + 1
+            );
+            match &stopped {
+                Some((_, words)) => why += &format!("; coupler: {words}"),
+                None => {
+                    why +=
+                        &format!(", while the next message was awaited; {step} steps are written")
+                }
+            }
+            return Verdict {
+                code: exit_code::PARTNER_LOST,
+                why: Some(why),
+            };
+        }
+        // A process that failed knows better than those that lost it.
+        let failed = self
+            .processes
+            .iter()
+            .filter(|process| !process.signalled)
+            .find(|process| !matches!(process.code(), None | Some(0 | exit_code::PARTNER_LOST)));
+        match (&state.last_word, stopped, failed) {
+            (_, Some((code, why)), None) => Verdict {
+                code,
+                why: Some(why),
+            },
+            (_, Some((code, why)), Some(process)) if code == exit_code::PARTNER_LOST => {
+                let (seat, ending) = (&process.seat, process.ending());
+                let code = known(process.code().unwrap_or(exit_code::ENGINE));
+                Verdict {
+                    code,
+                    why: Some(format!(
+                        "the {seat} {ending} at step {}; coupler: {why}",
+                        step + 1
+                    )),
+                }
+            }
+            (_, Some((code, why)), Some(_)) => Verdict {
+                code,
+                why: Some(why),
+            },
+            (_, None, Some(process)) => {
+                let code = known(process.code().unwrap_or(exit_code::ENGINE));
+                let why = format!(
+                    "the {} {} at step {}",
+                    process.seat,
+                    process.ending(),
+                    step + 1
+                );
+                Verdict {
+                    code,
+                    why: Some(why),
+                }
+            }
+            (Some(LastWord::Finished), None, None) if self.all_left_well() => Verdict {
+                code: exit_code::OK,
+                why: None,
+            },
+            (Some(LastWord::Finished), None, None) => {
+                let names = self
+                    .processes
+                    .iter()
+                    .filter(|process| process.code() != Some(0));
+                let names: Vec<&str> = names.map(|process| process.seat.as_str()).collect();
+                let why = format!(
+                    "the run finished, but did not end well: {}",
+                    names.join(", ")
+                );
+                Verdict {
+                    code: exit_code::PARTNER_LOST,
+                    why: Some(why),
+                }
+            }
+            (_, None, None) => {
+                let (code, why) = state.broken.clone().unwrap_or((
+                    exit_code::PARTNER_LOST,
+                    format!("the processes left at step {} without a word", step + 1),
+                ));
+                Verdict {
+                    code,
+                    why: Some(why),
+                }
+            }
+        }
+    }
+
+    fn all_left_well(&self) -> bool {
+        self.processes
+            .iter()
+            .all(|process| process.code() == Some(0))
+    }
+}
+
+/// Exit codes outside the contract (a foreign engine's own) count as a failed engine.
+fn known(code: i32) -> i32 {
+    match code {
+        exit_code::SCENE..=exit_code::NOT_CONVERGED | exit_code::INTERRUPTED => code,
+        _ => exit_code::ENGINE,
+    }
+}
+
+/// Where the watch is.
+struct State {
+    connected: bool,
+    started: bool,
+    messages: u64,
+    last_word: Option<LastWord>,
+    broken: Option<(i32, String)>,
+    asked_to_stop: bool,
+    terminated: bool,
+    killed: bool,
+    ending_since: Option<Instant>,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        State {
+            connected: true,
+            started: false,
+            messages: 0,
+            last_word: None,
+            broken: None,
+            asked_to_stop: false,
+            terminated: false,
+            killed: false,
+            ending_since: None,
+        }
+    }
+}
+
+impl State {
+    fn begin_ending(&mut self) {
+        self.ending_since.get_or_insert_with(Instant::now);
+    }
+
+    fn hear(&mut self, word: LastWord) {
+        self.last_word = Some(word);
+        self.begin_ending();
+    }
+}
