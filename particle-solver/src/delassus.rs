@@ -304,16 +304,11 @@ impl System {
 
     /// Set the impulses, brought into the cone, and the velocities that follow from them.
     pub fn set_impulses(&mut self, impulses: &[[f64; 2]]) {
-        let rough = self.has_friction();
-        for place in 0..self.contacts.len() {
-            let limit = self.friction_of(&self.contacts[place]) * impulses[place][0];
-            let contact = &mut self.contacts[place];
-            contact.normal_impulse = impulses[place][0];
-            contact.tangential_impulse = if rough {
-                impulses[place][1].min(limit).max(-limit)
-            } else {
-                0.0
-            };
+        let (friction, ground) = (self.friction, self.bodies.len() - 1);
+        for (contact, impulse) in self.contacts.iter_mut().zip(impulses) {
+            let limit = friction[usize::from(contact.second as usize == ground)] * impulse[0];
+            contact.normal_impulse = impulse[0];
+            contact.tangential_impulse = impulse[1].min(limit).max(-limit);
         }
         self.apply_impulses();
     }

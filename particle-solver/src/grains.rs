@@ -72,9 +72,9 @@ impl State {
                 velocity.len()
             )));
         }
-        for grain in 0..count {
-            if grains.fixed[grain] {
-                velocity[grain] = [0.0; 2];
+        for (velocity, &fixed) in velocity.iter_mut().zip(&grains.fixed) {
+            if fixed {
+                *velocity = [0.0; 2];
             }
         }
         let spin = vec![0.0; count];

@@ -29,6 +29,7 @@ pub mod error;
 pub mod grains;
 pub mod law;
 pub mod nlgs;
+pub mod serve;
 pub mod solve;
 pub mod state;
 pub mod step;

@@ -3,11 +3,15 @@
 //! 1. Start from the remembered impulses or from none, whichever leaves the smaller residual;
 //!    when no pair approaches, zero impulses are the answer and nothing is swept.
 //! 2. A few plain sweeps, the first ones without relaxation: exact for contacts on their own.
-//! 3. When these stall: momentum sweeps without friction; with friction, projected gradients and
-//!    momentum sweeps in turn, each from the best impulses so far.
+//! 3. When these stall: momentum sweeps. The problem with friction is no minimisation, so these
+//!    may circle; under-relaxed sweeps in turn with them, in phases of doubling length, end that.
 //! 4. At the limit: the best impulses, marked as not converged.
+//!
+//! On 2000 frictional disks collapsing into a box, to 1e-3 (means over the hardest 75 steps):
+//! momentum alone 690 sweeps, with under-relaxed phases 910 and none of the longest phases;
+//! over-relaxed sweeps 1270; projected gradients in the rotation 810–1340 and some failures.
 
-use crate::accelerate::{MomentumSweeps, POWER_ITERATIONS, ProjectedGradients};
+use crate::accelerate::MomentumSweeps;
 use crate::delassus::{Residual, System};
 use crate::nlgs::{RELAXATION, sweep};
 
@@ -15,8 +19,12 @@ use crate::nlgs::{RELAXATION, sweep};
 const PLAIN_SWEEPS: usize = 2;
 /// Sweeps before a faster iteration takes over.
 const STALL_SWEEPS: usize = 40;
-/// Iterations of one accelerated phase before the other kind is tried.
-const PHASE_SWEEPS: usize = 1500;
+/// Iterations of the first phases with friction.
+const PHASE_SWEEPS: usize = 200;
+/// Relaxation that ends cycles.
+const UNDER_RELAXATION: f64 = 0.7;
+/// A residual this many times the best is not worth starting from.
+const FAR_OFF: f64 = 10.0;
 
 /// How a solve ended.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -63,13 +71,19 @@ pub fn solve(system: &mut System, warm: &[[f64; 2]], tolerance: f64, sweeps_max:
         return run.finish();
     }
     run.sweep_plainly();
+    let mut phase = if run.system.has_friction() {
+        PHASE_SWEEPS
+    } else {
+        usize::MAX
+    };
     while !run.best.within(tolerance) && run.sweeps < sweeps_max {
-        if run.system.has_friction() {
-            run.project_gradients();
-            run.sweep_with_momentum(PHASE_SWEEPS);
-        } else {
-            run.sweep_with_momentum(usize::MAX);
+        run.sweep_with_momentum(phase);
+        if !run.best.within(tolerance) {
+            run.iterate(phase, |system, _| {
+                sweep(system, UNDER_RELAXATION);
+            });
         }
+        phase = phase.saturating_mul(2);
     }
     run.finish()
 }
@@ -128,20 +142,13 @@ impl Run<'_> {
         });
     }
 
+    /// Momentum sweeps from where the run is, unless that is much worse than the best.
     fn sweep_with_momentum(&mut self, limit: usize) {
-        if self.best.within(self.tolerance) {
-            return;
+        if self.system.residual().size() > FAR_OFF * self.best.size() {
+            self.restore();
         }
-        self.restore();
         let mut momentum = MomentumSweeps::new(self.system);
         self.iterate(limit, |system, _| momentum.iterate(system));
-    }
-
-    fn project_gradients(&mut self) {
-        self.restore();
-        self.sweeps += POWER_ITERATIONS;
-        let mut gradients = ProjectedGradients::new(self.system);
-        self.iterate(PHASE_SWEEPS, |system, _| gradients.iterate(system));
     }
 
     /// The best impulses and exactly the velocities that follow from them.

@@ -73,6 +73,8 @@ pub struct Report {
     pub residual: Residual,
     /// Largest overlap at the end, of the smaller radius.
     pub penetration_max: f64,
+    /// Kinetic energy at the end \[J\].
+    pub kinetic_energy: f64,
     /// Contact problems solved; more than one a sub-step when margins had to grow.
     pub attempts: usize,
 }
@@ -253,6 +255,8 @@ impl ContactEngine {
             self.sub_step(&mut motion, &stage, &loads, sub_step)?;
         }
         motion.state.check_finite()?;
+        let inertia_factor = self.setup.inertia_factor;
+        motion.report.kinetic_energy = motion.state.kinetic_energy(&self.grains, inertia_factor);
         let mean = |moved: &Vector| scale(1.0 / request.dt, *moved);
         let candidate = Candidate {
             label: (request.step, request.pass),

@@ -1,0 +1,225 @@
+//! The particle seat: the only file that knows the protocol. It translates, nothing more.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use protocol::configure::ParticleScene;
+use protocol::engine::{FluidForces, GrainAnswer, InitialGrains, ParticleEngine};
+use protocol::messages::{Advance, Capability, Diagnostic, Failure, FailureKind};
+
+use crate::error::Error;
+use crate::grains::{Grains, State};
+use crate::state;
+use crate::step::{Candidate, ContactEngine, Forces, Request, Setup};
+use crate::vector::Vector;
+use crate::walls::Segment;
+
+/// The built-in particle engine.
+#[derive(Debug, Default)]
+pub struct Engine {
+    solver: Option<ContactEngine>,
+    /// CPU time spent on the step that is not accepted yet \[s\].
+    cpu_seconds: f64,
+}
+
+/// `main` of the engine's process.
+pub fn run() -> ExitCode {
+    protocol::engine::run_particles(Engine::default())
+}
+
+impl ParticleEngine for Engine {
+    fn identity(&self) -> (&'static str, &'static str) {
+        ("sillage-particles", env!("CARGO_PKG_VERSION"))
+    }
+
+    fn capabilities(&self) -> Vec<Capability> {
+        vec![
+            Capability::ImplicitDrag,
+            Capability::ContactState,
+            Capability::Checkpoint,
+        ]
+    }
+
+    fn configure(
+        &mut self,
+        scene: &ParticleScene,
+        grains: InitialGrains,
+    ) -> Result<InitialGrains, Failure> {
+        let solver = build(scene, &grains).map_err(failure)?;
+        let grains = InitialGrains {
+            velocity: solver.accepted().velocity.as_flattened().to_vec(),
+            ..grains
+        };
+        tracing::info!(
+            grains = solver.grains().count(),
+            walls = scene.walls.len(),
+            "grains; one thread is used, whatever the scene allows"
+        );
+        self.solver = Some(solver);
+        self.cpu_seconds = 0.0;
+        Ok(grains)
+    }
+
+    fn advance(
+        &mut self,
+        request: &Advance,
+        fluid: &FluidForces<'_>,
+        answer: GrainAnswer<'_>,
+    ) -> Result<Vec<Diagnostic>, Failure> {
+        let begin = process_seconds();
+        let request = Request {
+            step: request.step,
+            pass: request.pass,
+            dt: request.dt,
+            sub_steps: request.sub_steps,
+            tolerance: request.tolerance,
+        };
+        let forces = Forces {
+            drag: fluid.drag,
+            force: fluid.force,
+        };
+        let solver = self.solver.as_mut().ok_or_else(not_configured)?;
+        let outcome = solver.advance(&request, &forces);
+        self.cpu_seconds += process_seconds() - begin;
+        let candidate = outcome.map_err(failure)?;
+        write(candidate, answer)?;
+        let mut diagnostics = diagnostics(candidate);
+        diagnostics.push(named("cpu_seconds", self.cpu_seconds));
+        Ok(diagnostics)
+    }
+
+    fn commit(&mut self) -> Result<(), Failure> {
+        self.cpu_seconds = 0.0;
+        self.solver()?.commit().map_err(failure)
+    }
+
+    fn save(&mut self, path: &Path) -> Result<(), Failure> {
+        let solver = self.solver()?;
+        state::save(path, solver.grains(), solver.accepted()).map_err(failure)
+    }
+
+    fn restore(&mut self, path: &Path) -> Result<(), Failure> {
+        let solver = self.solver()?;
+        let state = state::restore(path, solver.grains()).map_err(failure)?;
+        solver.set_accepted(state).map_err(failure)
+    }
+}
+
+impl Engine {
+    fn solver(&mut self) -> Result<&mut ContactEngine, Failure> {
+        self.solver.as_mut().ok_or_else(not_configured)
+    }
+}
+
+fn not_configured() -> Failure {
+    Failure::new(FailureKind::Engine, "the engine is not configured")
+}
+
+/// The class of an error.
+fn failure(error: Error) -> Failure {
+    let kind = match &error {
+        Error::Setup(_) => FailureKind::Scene,
+        Error::NotFinite { .. } => FailureKind::NotFinite,
+        Error::NotConverged { .. } | Error::SubSteps { .. } | Error::Margin { .. } => {
+            FailureKind::NotConverged
+        }
+        Error::Request(_) | Error::Checkpoint { .. } => FailureKind::Engine,
+    };
+    Failure::new(kind, error.to_string())
+}
+
+fn build(scene: &ParticleScene, grains: &InitialGrains) -> Result<ContactEngine, Error> {
+    let setup = Setup {
+        gravity: scene.gravity,
+        walls: scene
+            .walls
+            .iter()
+            .map(|wall| Segment {
+                a: wall.a,
+                b: wall.b,
+            })
+            .collect(),
+        period: scene.period,
+        friction: scene.friction,
+        wall_friction: scene.wall_friction,
+        inertia_factor: scene.inertia_factor,
+        tolerance: scene.tolerance,
+        sweeps_max: scene.sweeps_max,
+        sub_steps_max: scene.sub_steps_max,
+    };
+    let properties = Grains {
+        radius: grains.radius.clone(),
+        mass: grains.mass.clone(),
+        fixed: grains.fixed.iter().map(|&fixed| fixed != 0.0).collect(),
+    };
+    let state = State::new(
+        &properties,
+        pairs(&grains.position)?,
+        pairs(&grains.velocity)?,
+    )?;
+    ContactEngine::new(setup, properties, state)
+}
+
+/// Vectors from interleaved components.
+fn pairs(interleaved: &[f64]) -> Result<Vec<Vector>, Error> {
+    let (pairs, rest) = interleaved.as_chunks::<2>();
+    if rest.is_empty() {
+        return Ok(pairs.to_vec());
+    }
+    Err(Error::Setup(format!(
+        "{} components of vectors, an odd number",
+        interleaved.len()
+    )))
+}
+
+/// Write a candidate into the coupler's buffers.
+fn write(candidate: &Candidate, answer: GrainAnswer<'_>) -> Result<(), Failure> {
+    let vectors = [
+        (answer.position, candidate.state.position.as_flattened()),
+        (answer.velocity, candidate.state.velocity.as_flattened()),
+        (answer.mean_velocity, candidate.mean_velocity.as_flattened()),
+    ];
+    for (target, source) in vectors {
+        if target.len() != source.len() {
+            let why = format!(
+                "room for {} numbers, {} to write",
+                target.len(),
+                source.len()
+            );
+            return Err(Failure::new(FailureKind::Engine, why));
+        }
+        target.copy_from_slice(source);
+    }
+    for (target, source) in answer.contact.iter_mut().zip(&candidate.contact) {
+        *target = f64::from(*source);
+    }
+    Ok(())
+}
+
+fn diagnostics(candidate: &Candidate) -> Vec<Diagnostic> {
+    let report = &candidate.report;
+    vec![
+        named("sub_steps", f64::from(report.sub_steps)),
+        named("contacts", report.contacts as f64),
+        named("contact_candidates", report.candidates as f64),
+        named("contact_sweeps", report.sweeps as f64),
+        named("contact_residual", report.residual.rms),
+        named("contact_residual_max", report.residual.max),
+        named("contact_attempts", report.attempts as f64),
+        named("penetration_max", report.penetration_max),
+        named("kinetic_energy", report.kinetic_energy),
+    ]
+}
+
+fn named(name: &str, value: f64) -> Diagnostic {
+    Diagnostic {
+        name: name.to_owned(),
+        value,
+    }
+}
+
+/// CPU time of this process so far \[s\].
+fn process_seconds() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
