@@ -1,0 +1,23 @@
+# Everything that must hold before a change is taken; what CI runs.
+check:
+    ./.ci/run
+
+# The fast tests of the whole workspace.
+test:
+    cargo test --release
+
+# The slow ones too: convergence, long runs, stress.
+test-all:
+    cargo test --release -- --include-ignored
+
+# Format all code.
+fmt:
+    cargo fmt --all
+
+# Run a scene, e.g. `just run cloud --out runs/cloud`.
+run scene *arguments:
+    ./sillage run scenes/{{scene}}.toml {{arguments}}
+
+# The pages of the code, in the browser.
+doc:
+    cargo doc --release --workspace --no-deps --open
