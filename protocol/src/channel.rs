@@ -115,6 +115,8 @@ pub trait Channel {
     fn wait_for_leave(&mut self, limit: Duration) -> bool;
     /// Would a message reach somebody?
     fn has_reader(&mut self) -> Result<bool, Error>;
+    /// Whom to name when a message or field found no receiver: who was lost, else the partner.
+    fn culprit(&mut self) -> String;
     /// Is any process of the run known to be lost?
     fn anyone_is_lost(&self) -> bool;
     /// Is the partner known to be gone?

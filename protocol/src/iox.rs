@@ -8,38 +8,34 @@
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::os::fd::{BorrowedFd, RawFd};
-use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use iceoryx2::port::BackpressureAction;
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
-use iceoryx2::port::{LoanError, SendError};
 use iceoryx2::prelude::{
-    Alignment, AllocationStrategy, Config, FileName, LogLevel, Node, NodeBuilder, NodeName,
-    SemanticString, ServiceName, SignalHandlingMode, set_log_level,
+    AllocationStrategy, Config, LogLevel, Node, NodeBuilder, NodeName, SignalHandlingMode,
+    set_log_level,
 };
 use iceoryx2::sample::Sample;
 use iceoryx2::sample_mut::SampleMut;
 use iceoryx2::service::Service;
 use iceoryx2::service::port_factory::PortFactory as _;
-use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
-use crate::PROTOCOL_VERSION;
 use crate::channel::{Channel, Loan, Received, Wait};
-use crate::codec;
 use crate::error::Error;
 use crate::field::Field;
 use crate::header::{FieldHeader, check_sum};
 use crate::liveness::Board;
 use crate::runspace::preflight;
+use crate::services::{
+    End, Fields, Messages, culprit, delivered, event_service, field_service, loaning,
+    message_publisher, message_service, opening, patience, sending, service_name,
+};
 
-/// Samples that may wait in a queue, and that a receiver may hold.
-const QUEUE: usize = 2;
 /// Wake-ups are looked at this often even when none arrives; only a lost one would need it.
 const TICK: Duration = Duration::from_secs(1);
 
@@ -48,50 +44,6 @@ pub(crate) trait Backend: Service + 'static {
     /// Descriptor that is readable while a wake-up is pending.
     fn descriptor(listener: &Listener<Self>) -> RawFd;
 }
-
-/// What distinguishes one end of one link.
-#[derive(Debug, Clone)]
-pub(crate) struct End {
-    /// Name of the link: first part of its service names.
-    pub link: &'static str,
-    /// This end's name.
-    pub me: &'static str,
-    /// The other end's name.
-    pub peer: &'static str,
-    /// Fields this end sends.
-    pub sends: &'static [Field],
-    /// Fields this end receives.
-    pub receives: &'static [Field],
-    /// Messages that may wait in a queue.
-    pub queue: usize,
-    /// How long a full queue is tolerated.
-    pub patience: Duration,
-    /// Does the loss of a third process end a wait for the peer?
-    pub heeds_others: bool,
-}
-
-impl End {
-    /// A process whose absence makes waiting for the peer pointless.
-    fn missing(&self, board: &Board) -> Option<String> {
-        if self.heeds_others {
-            return board.missing(self.peer);
-        }
-        board.is_gone(self.peer).then(|| self.peer.to_owned())
-    }
-}
-
-/// The configuration of iceoryx2 for one run: own prefix, own folder, nothing from files.
-pub(crate) fn configuration(root: &Path, prefix: &str) -> Result<Config, Error> {
-    let mut config = Config::default();
-    let trouble = |e| Error::transport("name of the run", format!("{e:?}"));
-    config.global.prefix = FileName::new(prefix.as_bytes()).map_err(trouble)?;
-    let root = root.to_string_lossy();
-    let path = iceoryx2::prelude::Path::new(root.as_bytes()).map_err(trouble)?;
-    config.global.set_root_path(&path);
-    Ok(config)
-}
-
-type Fields<S> = PortFactory<S, [f64], FieldHeader>;
 
 /// A publisher of one field; made when it is first needed, when its size is known.
 struct Output<S: Service> {
@@ -104,7 +56,7 @@ struct Output<S: Service> {
 pub(crate) struct Link<S: Backend> {
     end: End,
     board: Arc<Board>,
-    messages_service: PortFactory<S, [u8], FieldHeader>,
+    messages_service: Messages<S>,
     messages_out: Publisher<S, [u8], FieldHeader>,
     messages_in: Subscriber<S, [u8], FieldHeader>,
     outputs: BTreeMap<Field, Output<S>>,
@@ -201,7 +153,6 @@ impl<S: Backend> Link<S> {
         }
         self.board.begin_wait(wait.step, wait.awaited);
         let found = loop {
-            self.board.drain();
             let missing = self.end.missing(&self.board);
             // What it sent before it left still counts.
             if let Some(found) = take(self)? {
@@ -219,7 +170,7 @@ impl<S: Backend> Link<S> {
         Ok(found)
     }
 
-    /// Block until a wake-up or an alarm, then take the wake-ups away.
+    /// Block until a wake-up or an alarm, then take away what ended the wait.
     fn block(&self, limit: Duration) -> Result<(), Error> {
         let pending = S::descriptor(&self.listener);
         // SAFETY: the descriptor belongs to the listener, which lives as long as `self`.
@@ -234,13 +185,19 @@ impl<S: Backend> Link<S> {
             Ok(_) | Err(rustix::io::Errno::INTR) => {}
             Err(e) => return Err(Error::transport("poll", e)),
         }
-        self.listener
-            .try_wait(|_| {})
-            .map_err(|e| Error::transport("wake-up", e))?;
+        let [woken, alarmed] = fds.map(|fd| !fd.revents().is_empty());
+        if woken {
+            self.listener
+                .try_wait(|_| {})
+                .map_err(|e| Error::transport("wake-up", e))?;
+        }
+        if alarmed {
+            self.board.drain();
+        }
         Ok(())
     }
 
-    /// A loaned sample of `count` numbers, its content undefined.
+    /// The publisher of a field, large enough for `count` numbers.
     fn publisher(
         &mut self,
         field: Field,
@@ -365,7 +322,6 @@ impl<S: Backend> Channel for Link<S> {
 
     fn idle(&mut self, wait: Wait<'_>, limit: Duration) -> Result<(), Error> {
         self.board.begin_wait(wait.step, wait.awaited);
-        self.board.drain();
         if let Some(who) = self.end.missing(&self.board) {
             return Err(wait.lost(&who));
         }
@@ -383,7 +339,6 @@ impl<S: Backend> Channel for Link<S> {
             if wait.left().is_zero() || self.block(wait.left().min(TICK)).is_err() {
                 return false;
             }
-            self.board.drain();
         }
         true
     }
@@ -394,6 +349,10 @@ impl<S: Backend> Channel for Link<S> {
             .dynamic_config()
             .number_of_subscribers()
             > 0)
+    }
+
+    fn culprit(&mut self) -> String {
+        culprit(&self.end, &self.board)
     }
 
     fn anyone_is_lost(&self) -> bool {
@@ -446,145 +405,4 @@ impl<S: Backend> Received for ReceivedField<S> {
     fn values(&self) -> &[f64] {
         self.sample.payload()
     }
-}
-
-fn service_name(end: &End, direction: &str, what: &str) -> String {
-    format!("sillage/{PROTOCOL_VERSION}/{}/{direction}/{what}", end.link)
-}
-
-fn named(name: &str) -> Result<ServiceName, Error> {
-    ServiceName::new(name).map_err(|e| opening(name, e))
-}
-
-fn message_service<S: Service>(
-    node: &Node<S>,
-    name: &str,
-    queue: usize,
-) -> Result<PortFactory<S, [u8], FieldHeader>, Error> {
-    node.service_builder(&named(name)?)
-        .publish_subscribe::<[u8]>()
-        .user_header::<FieldHeader>()
-        .enable_safe_overflow(false)
-        .subscriber_max_buffer_size(queue)
-        .subscriber_max_borrowed_samples(QUEUE)
-        .history_size(0)
-        .max_publishers(1)
-        .max_subscribers(1)
-        .max_nodes(4)
-        .open_or_create()
-        .map_err(|e| opening(name, e))
-}
-
-fn message_publisher<S: Service>(
-    service: &PortFactory<S, [u8], FieldHeader>,
-    end: &End,
-    board: &Arc<Board>,
-) -> Result<Publisher<S, [u8], FieldHeader>, Error> {
-    service
-        .publisher_builder()
-        .initial_max_slice_len(codec::LIMIT)
-        .allocation_strategy(AllocationStrategy::PowerOfTwo)
-        .max_loaned_samples(1)
-        .set_backpressure_handler(patience(end, board))
-        .create()
-        .map_err(|e| opening("publisher of messages", e))
-}
-
-fn field_service<S: Service>(node: &Node<S>, name: &str) -> Result<Fields<S>, Error> {
-    // Also what a SIMD kernel likes to find.
-    const CACHE_LINE: usize = 64;
-    let alignment = Alignment::new(CACHE_LINE).ok_or_else(|| opening(name, "alignment"))?;
-    node.service_builder(&named(name)?)
-        .publish_subscribe::<[f64]>()
-        .user_header::<FieldHeader>()
-        .payload_alignment(alignment)
-        .enable_safe_overflow(false)
-        .subscriber_max_buffer_size(QUEUE)
-        .subscriber_max_borrowed_samples(QUEUE)
-        .history_size(0)
-        .max_publishers(1)
-        .max_subscribers(1)
-        .max_nodes(4)
-        .open_or_create()
-        .map_err(|e| opening(name, e))
-}
-
-fn event_service<S: Service>(
-    node: &Node<S>,
-    name: &str,
-) -> Result<iceoryx2::service::port_factory::event::PortFactory<S>, Error> {
-    node.service_builder(&named(name)?)
-        .event()
-        .max_notifiers(2)
-        .max_listeners(1)
-        .max_nodes(4)
-        .open_or_create()
-        .map_err(|e| opening(name, e))
-}
-
-/// Retry a full queue until the partner is gone or patience ends, then fail.
-fn patience(
-    end: &End,
-    board: &Arc<Board>,
-) -> impl Fn(&iceoryx2::port::BackpressureInfo) -> BackpressureAction + Send + 'static {
-    let (end, board) = (end.clone(), Arc::clone(board));
-    move |info| {
-        if info.elapsed_time >= end.patience || end.missing(&board).is_some() {
-            BackpressureAction::DiscardDataAndFail
-        } else {
-            BackpressureAction::Retry
-        }
-    }
-}
-
-fn delivered(
-    what: &str,
-    step: u64,
-    end: &End,
-    board: &Board,
-    receivers: Result<usize, SendError>,
-) -> Result<(), Error> {
-    match receivers {
-        Ok(0) => {
-            let who = board
-                .missing(end.peer)
-                .unwrap_or_else(|| end.peer.to_owned());
-            Err(Error::PartnerLost {
-                who,
-                step,
-                awaited: format!("a receiver of {what}"),
-            })
-        }
-        Ok(_) => Ok(()),
-        Err(error) => Err(sending(what, step, end, board, error)),
-    }
-}
-
-fn sending(what: &str, step: u64, end: &End, board: &Board, error: SendError) -> Error {
-    let awaited = format!("room for {what} in its queue");
-    match (error, end.missing(board)) {
-        (SendError::UnableToDeliver, Some(who)) => Error::PartnerLost { who, step, awaited },
-        (SendError::UnableToDeliver, None) => Error::TimeLimit {
-            who: end.peer.to_owned(),
-            step,
-            awaited,
-            seconds: end.patience.as_secs_f64(),
-        },
-        (error, _) => Error::transport(format!("sending {what} to the {}", end.peer), error),
-    }
-}
-
-fn loaning(what: &str, error: LoanError) -> Error {
-    Error::memory(format!("buffer for {what}"), error)
-}
-
-fn opening(name: &str, error: impl std::fmt::Debug) -> Error {
-    let why = format!("{error:?}");
-    // What two different versions of the library say about each other's files.
-    let hint = if why.contains("Corrupted") || why.contains("VersionMismatch") {
-        "; probably a process of this run uses another version of iceoryx2 (0.10.0 is required)"
-    } else {
-        ""
-    };
-    Error::transport(format!("opening {name}"), why + hint)
 }

@@ -7,10 +7,11 @@ use iceoryx2::prelude::{FileDescriptorBased, ipc};
 
 use crate::channel::Channel;
 use crate::error::Error;
-use crate::iox::{Backend, End, Link, configuration};
+use crate::iox::{Backend, Link};
 use crate::liveness::OnLoss;
 use crate::messages::Role;
 use crate::runspace::{self, RunSpace};
+use crate::services::{End, configuration};
 
 impl Backend for ipc::Service {
     fn descriptor(listener: &Listener<Self>) -> RawFd {
@@ -23,6 +24,11 @@ impl Backend for ipc::Service {
 /// [`crate::engine::serve_particles`].
 pub fn engine_link(runspace: &RunSpace, role: Role) -> Result<Box<dyn Channel>, Error> {
     open(runspace, role.engine_end())
+}
+
+/// The coupler's end of its link to an engine; [`crate::partner::Partner`] is what a coupler uses.
+pub fn coupler_link(runspace: &RunSpace, role: Role) -> Result<Box<dyn Channel>, Error> {
+    open(runspace, role.coupler_end())
 }
 
 /// Take the seat of this end, watch the partners, open the link.

@@ -31,6 +31,7 @@ pub mod process;
 pub mod runspace;
 mod seats;
 mod serve;
+mod services;
 
 pub use error::Error;
 

@@ -7,8 +7,8 @@ use crate::channel::{Channel, Received, Wait};
 use crate::error::Error;
 use crate::field::Field;
 use crate::header::{Expected, Stage};
-use crate::iox::End;
 use crate::messages::Role;
+use crate::services::End;
 
 /// Coupler → fluid.
 pub const TO_FLUID: [Field; 6] = [

@@ -11,11 +11,12 @@ use crate::channel::Channel;
 use crate::configure::Limits;
 use crate::engine::{FluidEngine, ParticleEngine, serve_fluid, serve_particles};
 use crate::error::Error;
-use crate::iox::{Backend, End, Link, configuration};
+use crate::iox::{Backend, Link};
 use crate::liveness::Board;
 use crate::messages::Role;
 use crate::partner::Partner;
 use crate::runspace;
+use crate::services::{End, configuration};
 
 /// Limits of links to engines on threads \[s\].
 pub const LIMITS: Limits = Limits {

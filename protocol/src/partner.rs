@@ -267,8 +267,9 @@ impl Partner {
         match self.channel.send_message(header, &bytes) {
             Ok(true) => Ok(()),
             Ok(false) => {
-                let lost = Wait::new(self.step, "a receiver of messages", Duration::ZERO)
-                    .lost(self.seat());
+                let who = self.channel.culprit();
+                let awaited = "a receiver of messages";
+                let lost = Wait::new(self.step, awaited, Duration::ZERO).lost(&who);
                 Err(self.last_words(lost))
             }
             Err(error) => Err(self.last_words(error)),

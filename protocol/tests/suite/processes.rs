@@ -83,6 +83,7 @@ fn start(role: &str, environment: &[(String, String)], fault: &str) -> Child {
             (ROLE, role),
             (FAULT, fault),
             ("SILLAGE_LOG", "error,iceoryx2_bb_loggers=off"),
+            ("RUST_BACKTRACE", "0"),
         ])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
