@@ -57,6 +57,11 @@ impl Pattern {
         }
     }
 
+    /// Neighbours of a node, with itself, ascending.
+    pub fn neighbours(&self, node: usize) -> &[usize] {
+        &self.neighbour[self.start[node]..self.start[node + 1]]
+    }
+
     /// Number of unknowns.
     pub fn unknowns(&self) -> usize {
         3 * (self.start.len() - 1)

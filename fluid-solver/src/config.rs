@@ -56,6 +56,8 @@ pub struct FluidConfig {
     pub grad_div: f64,
     /// Uniform initial superficial velocity \[m/s\].
     pub initial_velocity: [f64; 2],
+    /// Threads of the factorisation; the numbers do not depend on it.
+    pub threads: usize,
     /// Extra force per mixture volume \[N/m³\], for manufactured solutions.
     pub body_force: Option<Arc<BodyForce>>,
 }
@@ -74,6 +76,7 @@ impl FluidConfig {
             viscous_form: ViscousForm::Symmetric,
             grad_div: 1.0,
             initial_velocity: [0.0; 2],
+            threads: 1,
             body_force: None,
         }
     }

@@ -8,15 +8,13 @@
 //!
 //! A 2-norm residual hides a wrong fluid velocity next to stiff grains; ω does not (Oettli and
 //! Prager 1964). Where the denominator of a row is round-off, that of Arioli, Demmel and Duff
-//! (1989) is taken.
-
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::linalg::lu::{LuRef, NumericLu, SymbolicLu, factorize_symbolic_lu};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
-use faer::{Conj, MatMut, Par};
+//! (1989) is taken. Where refinement with the multifrontal factor does not reach the bound, the
+//! matrix is factorised once more with row exchanges anywhere.
 
 use crate::assembly::{Pattern, System};
 use crate::error::FluidError;
+use crate::multifrontal::Multifrontal;
+use crate::pivoting::PivotingLu;
 
 /// Backward error that a solution must reach.
 pub const BACKWARD_ERROR_MAX: f64 = 1e-10;
@@ -35,45 +33,51 @@ pub struct Solution {
     pub backward_error: f64,
     /// Refinements done.
     pub refinements: usize,
+    /// Was the safe factor needed?
+    pub pivoted: bool,
 }
 
 /// The factorised matrix of a mesh.
 pub struct LinearSolver {
-    structure: SymbolicSparseColMat<usize>,
-    symbolic: SymbolicLu<usize>,
-    numeric: NumericLu<usize, f64>,
-    memory: MemBuffer,
+    fast: Multifrontal,
+    /// Made when first needed.
+    safe: Option<PivotingLu>,
+    /// Does the safe factor hold the present matrix?
+    pivoted: bool,
+    pool: Option<rayon::ThreadPool>,
     fixed: Vec<bool>,
     scale: Vec<f64>,
     scaled: Vec<f64>,
 }
 
 impl LinearSolver {
-    /// Analyse a pattern; `fixed` unknowns are eliminated.
-    pub fn new(pattern: &Pattern, fixed: Vec<bool>) -> Result<LinearSolver, FluidError> {
-        let broken = |error| FluidError::Factorisation(format!("analysis: {error:?}"));
-        let (pointers, rows) = pattern.columns();
-        let n = pattern.unknowns();
-        let structure = SymbolicSparseColMat::new_checked(n, n, pointers, None, rows);
-        let symbolic =
-            factorize_symbolic_lu(structure.as_ref(), Default::default()).map_err(broken)?;
-        let numeric = symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, Default::default());
-        let memory =
-            MemBuffer::try_new(numeric.or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq)))
-                .map_err(|_| FluidError::Factorisation("out of memory".into()))?;
+    /// Analyse a pattern on nodes with these positions; `fixed` unknowns are eliminated.
+    pub fn new(
+        pattern: &Pattern,
+        position: &[[f64; 2]],
+        fixed: Vec<bool>,
+        threads: usize,
+    ) -> Result<LinearSolver, FluidError> {
+        let broken = |error| FluidError::Factorisation(format!("threads: {error}"));
+        let pool = || {
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .map_err(broken)
+        };
         Ok(LinearSolver {
-            structure,
-            symbolic,
-            numeric: NumericLu::new(),
-            memory,
+            fast: Multifrontal::new(pattern, position),
+            safe: None,
+            pivoted: false,
+            pool: if threads > 1 { Some(pool()?) } else { None },
             fixed,
-            scale: vec![1.0; n],
+            scale: vec![1.0; pattern.unknowns()],
             scaled: vec![0.0; pattern.entries()],
         })
     }
 
     /// Factorise the matrix of a system.
-    pub fn factorise(&mut self, system: &System) -> Result<(), FluidError> {
+    pub fn factorise(&mut self, system: &System) {
         self.scale_of(system);
         let (scale, fixed) = (&self.scale, &self.fixed);
         let mut slot = self.scaled.iter_mut();
@@ -87,17 +91,24 @@ impl LinearSolver {
                     };
                 }
             });
-        let matrix = SparseColMatRef::new(self.structure.as_ref(), &self.scaled[..]);
-        let stack = MemStack::new(&mut self.memory);
-        self.symbolic
-            .factorize_numeric_lu(
-                &mut self.numeric,
-                matrix,
-                Par::Seq,
-                stack,
-                Default::default(),
-            )
-            .map_err(|error| FluidError::Factorisation(format!("{error:?}")))?;
+        self.pivoted = false;
+        let (fast, scaled) = (&mut self.fast, &self.scaled);
+        match &self.pool {
+            Some(pool) => pool.install(|| fast.factorise(scaled, true)),
+            None => fast.factorise(scaled, false),
+        }
+    }
+
+    /// Factorise the same matrix with row exchanges anywhere.
+    fn factorise_safely(&mut self, pattern: &Pattern) -> Result<(), FluidError> {
+        tracing::info!("the multifrontal factor is not accurate enough: pivoting");
+        let mut safe = match self.safe.take() {
+            Some(safe) => safe,
+            None => PivotingLu::new(pattern)?,
+        };
+        safe.factorise(&self.scaled)?;
+        self.safe = Some(safe);
+        self.pivoted = true;
         Ok(())
     }
 
@@ -125,45 +136,57 @@ impl LinearSolver {
 
     /// Solve with the last factor; `given` holds the fixed unknowns.
     pub fn solve(&mut self, system: &System, given: &[f64]) -> Result<Solution, FluidError> {
-        let mut x: Vec<f64> = given
-            .iter()
-            .zip(&self.fixed)
+        let mut solution = self.refine(system, given);
+        let good = |solution: &Solution| solution.backward_error < BACKWARD_ERROR_MAX;
+        if !good(&solution) && !self.pivoted {
+            self.factorise_safely(&system.pattern)?;
+            solution = self.refine(system, given);
+        }
+        if good(&solution) {
+            return Ok(solution);
+        }
+        Err(FluidError::LinearResidual {
+            residual: solution.backward_error,
+            refinements: solution.refinements,
+            bound: BACKWARD_ERROR_MAX,
+        })
+    }
+
+    /// Solve and refine with the present factor.
+    fn refine(&mut self, system: &System, given: &[f64]) -> Solution {
+        let known = given.iter().zip(&self.fixed);
+        let mut x: Vec<f64> = known
             .map(|(&v, &fixed)| if fixed { v } else { 0.0 })
             .collect();
-        let mut refinements = 0;
         self.correct(system, &mut x);
         let mut error = self.backward_error(system, &x);
-        loop {
-            let wanted = if refinements < REFINEMENTS {
-                BACKWARD_ERROR_GOAL
-            } else {
-                BACKWARD_ERROR_MAX
-            };
-            if error <= wanted || refinements == REFINEMENTS_MAX || !error.is_finite() {
+        let mut refinements = 0;
+        while refinements < REFINEMENTS_MAX && error.is_finite() {
+            let usual = refinements < REFINEMENTS;
+            if error
+                <= if usual {
+                    BACKWARD_ERROR_GOAL
+                } else {
+                    BACKWARD_ERROR_MAX
+                }
+            {
                 break;
             }
-            let before = (x.clone(), error);
-            self.correct(system, &mut x);
+            let mut next = x.clone();
+            self.correct(system, &mut next);
             refinements += 1;
-            error = self.backward_error(system, &x);
-            if error >= before.1 {
-                (x, error) = before;
+            let next_error = self.backward_error(system, &next);
+            if next_error >= error || next_error.is_nan() {
                 break;
             }
+            (x, error) = (next, next_error);
         }
-        if error.is_nan() || error >= BACKWARD_ERROR_MAX {
-            let bound = BACKWARD_ERROR_MAX;
-            return Err(FluidError::LinearResidual {
-                residual: error,
-                refinements,
-                bound,
-            });
-        }
-        Ok(Solution {
+        Solution {
             unknowns: x,
             backward_error: error,
             refinements,
-        })
+            pivoted: self.pivoted,
+        }
     }
 
     /// ‖S(r − Kx)‖ / ‖S|K||x|‖ over the free unknowns.
@@ -204,15 +227,10 @@ impl LinearSolver {
                 *value * self.scale[k]
             };
         }
-        let n = residual.len();
-        let stack = MemStack::new(&mut self.memory);
-        let column = MatMut::from_column_major_slice_mut(&mut residual, n, 1);
-        LuRef::new_unchecked(&self.symbolic, &self.numeric).solve_in_place_with_conj(
-            Conj::No,
-            column,
-            Par::Seq,
-            stack,
-        );
+        match &mut self.safe {
+            Some(safe) if self.pivoted => safe.solve(&mut residual),
+            _ => self.fast.solve(&mut residual),
+        }
         for (k, value) in residual.iter().enumerate() {
             if !self.fixed[k] {
                 x[k] += value * self.scale[k];

@@ -138,6 +138,7 @@ fn config(scene: &FluidScene) -> FluidConfig {
     config.gravity = scene.gravity;
     config.convection = scene.convection;
     config.grad_div = scene.grad_div;
+    config.threads = scene.threads;
     config.initial_velocity = scene.initial_velocity;
     config.time_scheme = match scene.time_scheme {
         configure::TimeScheme::BackwardEuler => TimeScheme::BackwardEuler,

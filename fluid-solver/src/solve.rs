@@ -54,6 +54,7 @@ pub struct Effort {
     nonlinear_residual: f64,
     iterations: usize,
     factorised: usize,
+    pivoted: bool,
     assembly: f64,
     factor: f64,
     solve: f64,
@@ -67,6 +68,7 @@ impl Effort {
             ("nonlinear_residual", self.nonlinear_residual),
             ("iterations", self.iterations as f64),
             ("factorised", self.factorised as f64),
+            ("pivoted", f64::from(u8::from(self.pivoted))),
             ("seconds_assembly", self.assembly),
             ("seconds_factor", self.factor),
             ("seconds_solve", self.solve),
@@ -101,7 +103,7 @@ impl Equations<'_> {
         let same = self.key.as_ref() == Some(&key);
         self.assemble(terms, !same);
         if !same {
-            self.factorise()?;
+            self.factorise();
             *self.key = Some(key);
         }
         self.effort.iterations = 1;
@@ -158,7 +160,7 @@ impl Equations<'_> {
                 );
             }
             picard_left = picard_left.saturating_sub(1);
-            self.factorise()?;
+            self.factorise();
             let x = self.solve()?;
             self.effort.iterations += 1;
             flow = Flow {
@@ -181,19 +183,19 @@ impl Equations<'_> {
         self.effort.assembly += begin.elapsed().as_secs_f64();
     }
 
-    fn factorise(&mut self) -> Result<(), FluidError> {
+    fn factorise(&mut self) {
         let begin = Instant::now();
         *self.key = None;
-        self.linear.factorise(self.system)?;
+        self.linear.factorise(self.system);
         self.effort.factorised += 1;
         self.effort.factor += begin.elapsed().as_secs_f64();
-        Ok(())
     }
 
     fn solve(&mut self) -> Result<Vec<f64>, FluidError> {
         let begin = Instant::now();
         let solution = self.linear.solve(self.system, self.given)?;
         self.effort.backward_error = self.effort.backward_error.max(solution.backward_error);
+        self.effort.pivoted |= solution.pivoted;
         self.effort.solve += begin.elapsed().as_secs_f64();
         Ok(solution.unknowns)
     }

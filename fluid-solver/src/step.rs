@@ -100,7 +100,12 @@ impl FluidSolver {
         let constraints = Constraints::new(&mesh, conditions, config.density, config.gravity)?;
         constraints.boundary_flux(&mesh, &constraints.values(&mesh, 0.0))?;
         let system = System::new(&mesh);
-        let linear = LinearSolver::new(&system.pattern, constraints.fixed.clone())?;
+        let linear = LinearSolver::new(
+            &system.pattern,
+            &mesh.position,
+            constraints.fixed.clone(),
+            config.threads,
+        )?;
         let accepted = State::uniform(mesh.node_count(), config.initial_velocity);
         let (candidate, key) = (None, None);
         Ok(FluidSolver {

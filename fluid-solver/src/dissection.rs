@@ -1,0 +1,198 @@
+//! Nested dissection of the mesh: in which order nodes are eliminated, and in which groups.
+//!
+//! A set of nodes is cut across its longer side; the nodes of one half that touch the other half
+//! are its separator and are eliminated last. Each separator, and each piece too small to cut, is
+//! a *front*: its nodes are eliminated together. After George (1973). Among cuts near the middle
+//! the one with the smallest separator is taken; ties fall to the first, so the order is the same
+//! every time.
+
+use crate::assembly::Pattern;
+
+/// Pieces of at most this many nodes are not cut.
+const PIECE: usize = 24;
+/// Where cuts are tried, as fractions of the sorted nodes.
+const CUTS: [f64; 7] = [0.5, 0.47, 0.53, 0.44, 0.56, 0.41, 0.59];
+
+/// A group of nodes that are eliminated together, with what that touches.
+#[derive(Debug, Clone, Default)]
+pub struct Front {
+    /// Nodes eliminated here.
+    pub pivots: Vec<usize>,
+    /// Nodes eliminated later that the elimination couples, in the order of their elimination.
+    pub boundary: Vec<usize>,
+    /// Fronts whose remainder is added here.
+    pub children: Vec<usize>,
+    /// First front of the subtree that ends here; the subtree is a contiguous range.
+    pub first: usize,
+}
+
+/// The fronts, children before parents.
+pub fn fronts(pattern: &Pattern, position: &[[f64; 2]]) -> Vec<Front> {
+    let mut cutter = Cutter {
+        pattern,
+        position,
+        side: vec![0; position.len()],
+        stamp: 0,
+        fronts: Vec::new(),
+    };
+    cutter.cut((0..position.len()).collect());
+    let mut fronts = cutter.fronts;
+    find_boundaries(pattern, &mut fronts);
+    fronts
+}
+
+struct Cutter<'a> {
+    pattern: &'a Pattern,
+    position: &'a [[f64; 2]],
+    /// Mark of a node that lies in the upper part of the present cut.
+    side: Vec<u32>,
+    stamp: u32,
+    fronts: Vec<Front>,
+}
+
+impl Cutter<'_> {
+    /// Append the fronts of a set of nodes; returns the last of them.
+    fn cut(&mut self, mut nodes: Vec<usize>) -> usize {
+        let first = self.fronts.len();
+        if nodes.len() <= PIECE {
+            return self.push(nodes, Vec::new(), first);
+        }
+        self.sort(&mut nodes);
+        let (lower, upper) = self.best(&nodes);
+        let separator = self.separator(&nodes[..lower], &nodes[upper..]);
+        let inside = |node: &usize| separator.binary_search(node).is_err();
+        let low: Vec<usize> = nodes[..lower].iter().copied().filter(inside).collect();
+        let high = nodes[upper..].to_vec();
+        if low.is_empty() || high.is_empty() {
+            return self.push(nodes, Vec::new(), first);
+        }
+        let children = vec![self.cut(low), self.cut(high)];
+        self.push(separator, children, first)
+    }
+
+    fn push(&mut self, pivots: Vec<usize>, children: Vec<usize>, first: usize) -> usize {
+        self.fronts.push(Front {
+            pivots,
+            boundary: Vec::new(),
+            children,
+            first,
+        });
+        self.fronts.len() - 1
+    }
+
+    /// Sort along the longer side.
+    fn sort(&self, nodes: &mut [usize]) {
+        let extent = |d: usize| {
+            let values = || nodes.iter().map(|&n| self.position[n][d]);
+            values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+        };
+        let along = usize::from(extent(1) > extent(0));
+        nodes.sort_unstable_by(|&a, &b| {
+            let (p, q) = (self.position[a], self.position[b]);
+            let order = p[along].total_cmp(&q[along]);
+            order
+                .then(p[1 - along].total_cmp(&q[1 - along]))
+                .then(a.cmp(&b))
+        });
+    }
+
+    /// Where the cut with the smallest separator lies (both numbers are that place).
+    fn best(&mut self, nodes: &[usize]) -> (usize, usize) {
+        let place = |fraction: f64| ((nodes.len() as f64 * fraction) as usize).max(1);
+        let mut best = (usize::MAX, 0);
+        for cut in CUTS.map(place) {
+            let size = self.separator(&nodes[..cut], &nodes[cut..]).len();
+            if size < best.0 {
+                best = (size, cut);
+            }
+        }
+        (best.1, best.1)
+    }
+
+    /// Nodes of `low` with a neighbour in `high`, ascending.
+    fn separator(&mut self, low: &[usize], high: &[usize]) -> Vec<usize> {
+        self.stamp += 1;
+        for &node in high {
+            self.side[node] = self.stamp;
+        }
+        let touches = |node: &usize| {
+            self.pattern
+                .neighbours(*node)
+                .iter()
+                .any(|&other| self.side[other] == self.stamp)
+        };
+        let mut separator: Vec<usize> = low.iter().copied().filter(touches).collect();
+        separator.sort_unstable();
+        separator
+    }
+}
+
+/// Boundary of a front: later nodes that its pivots or its children's boundaries touch.
+fn find_boundaries(pattern: &Pattern, fronts: &mut [Front]) {
+    let rank = ranks(fronts);
+    for k in 0..fronts.len() {
+        let last = fronts[k]
+            .pivots
+            .iter()
+            .map(|&node| rank[node])
+            .max()
+            .unwrap_or(0);
+        let touched = fronts[k]
+            .pivots
+            .iter()
+            .flat_map(|&node| pattern.neighbours(node));
+        let inherited = fronts[k]
+            .children
+            .iter()
+            .flat_map(|&child| &fronts[child].boundary);
+        let later = touched
+            .chain(inherited)
+            .copied()
+            .filter(|&node| rank[node] > last);
+        let mut boundary: Vec<usize> = later.collect();
+        boundary.sort_unstable_by_key(|&node| rank[node]);
+        boundary.dedup();
+        fronts[k].boundary = boundary;
+    }
+}
+
+/// Place of each node in the order of elimination.
+pub fn ranks(fronts: &[Front]) -> Vec<usize> {
+    let count = fronts.iter().map(|front| front.pivots.len()).sum();
+    let mut rank = vec![0; count];
+    for (place, &node) in fronts.iter().flat_map(|front| &front.pivots).enumerate() {
+        rank[node] = place;
+    }
+    rank
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rectangle::Rectangle;
+
+    #[test]
+    fn every_node_is_eliminated_once_and_only_ancestors_are_touched() {
+        for periodic in [false, true] {
+            let mut rectangle = Rectangle::new([0.0; 2], [1.0, 3.0], [20, 60]);
+            rectangle.periodic = [periodic; 2];
+            let mesh = rectangle.mesh().unwrap();
+            let pattern = Pattern::new(&mesh);
+            let fronts = fronts(&pattern, &mesh.position);
+            let mut all: Vec<_> = fronts.iter().flat_map(|f| f.pivots.clone()).collect();
+            all.sort_unstable();
+            assert!(all.iter().copied().eq(0..mesh.node_count()));
+            let mut of_node = vec![0; mesh.node_count()];
+            for (k, front) in fronts.iter().enumerate() {
+                front.pivots.iter().for_each(|&node| of_node[node] = k);
+            }
+            for (k, front) in fronts.iter().enumerate() {
+                for &node in &front.boundary {
+                    let ancestor = &fronts[of_node[node]];
+                    assert!(ancestor.first <= k && k < of_node[node]);
+                }
+            }
+            assert!(fronts.last().unwrap().boundary.is_empty());
+        }
+    }
+}
