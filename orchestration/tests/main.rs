@@ -2,5 +2,6 @@
 
 mod pictures;
 mod populations;
+mod processes;
 mod scene_errors;
 mod scenes_folder;

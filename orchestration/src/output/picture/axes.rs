@@ -58,7 +58,7 @@ pub fn round_up(value: f64) -> f64 {
         return 0.0;
     }
     let decade = 10f64.powf(value.log10().floor());
-    [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0]
+    [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0]
         .into_iter()
         .map(|step| step * decade)
         .find(|round| *round >= value * (1.0 - 1e-9))
@@ -97,11 +97,11 @@ pub fn number(value: f64) -> String {
 pub fn axes(canvas: &mut Canvas, view: &View, unit: Unit) {
     view.outline(canvas, 1.5, INK);
     let ([left, low], [right, high]) = (view.lower, view.upper);
-    // A tick each 90 pixels, and never so many that the numbers of a narrow picture touch.
+    // Few enough that the numbers of a narrow picture do not touch.
     let across = ticks(
         left / unit.size,
         right / unit.size,
-        (view.width() / 110.0).max(2.0),
+        (view.width() / 75.0).clamp(2.0, 9.0),
     );
     for x in across {
         let at = view.place([x * unit.size, low]);
@@ -111,7 +111,7 @@ pub fn axes(canvas: &mut Canvas, view: &View, unit: Unit) {
     for y in ticks(
         low / unit.size,
         high / unit.size,
-        (view.height() / 80.0).max(1.0),
+        (view.height() / 60.0).clamp(1.0, 9.0),
     ) {
         let at = view.place([left, y * unit.size]);
         canvas.line(at, [at[0] - 7.0, at[1]], 1.5, INK);
