@@ -153,6 +153,7 @@ impl<S: Backend> Link<S> {
         }
         self.board.begin_wait(wait.step, wait.awaited);
         let found = loop {
+            self.settle()?;
             let missing = self.end.missing(&self.board);
             // What it sent before it left still counts.
             if let Some(found) = take(self)? {
@@ -170,7 +171,25 @@ impl<S: Backend> Link<S> {
         Ok(found)
     }
 
-    /// Block until a wake-up or an alarm, then take away what ended the wait.
+    /// Take away all pending wake-ups, so that the next one is sure to make the descriptor readable;
+    /// what they announced must be looked for afterwards, before blocking.
+    ///
+    /// A notifier skips the descriptor while it believes a wake-up to be pending. A drain that races
+    /// with it can take the byte and leave that belief behind (iceoryx2 0.10): a drain that finds
+    /// nothing is the one that clears it.
+    fn settle(&self) -> Result<(), Error> {
+        loop {
+            let found = self
+                .listener
+                .try_wait(|_| {})
+                .map_err(|e| Error::transport("wake-up", e))?;
+            if found == 0 {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Block until a wake-up or an alarm.
     fn block(&self, limit: Duration) -> Result<(), Error> {
         let pending = S::descriptor(&self.listener);
         // SAFETY: the descriptor belongs to the listener, which lives as long as `self`.
@@ -185,12 +204,7 @@ impl<S: Backend> Link<S> {
             Ok(_) | Err(rustix::io::Errno::INTR) => {}
             Err(e) => return Err(Error::transport("poll", e)),
         }
-        let [woken, alarmed] = fds.map(|fd| !fd.revents().is_empty());
-        if woken {
-            self.listener
-                .try_wait(|_| {})
-                .map_err(|e| Error::transport("wake-up", e))?;
-        }
+        let alarmed = !fds[1].revents().is_empty();
         if alarmed {
             self.board.drain();
         }
@@ -329,6 +343,7 @@ impl<S: Backend> Channel for Link<S> {
             return Err(wait.passed(self.end.peer));
         }
         self.block(limit.min(wait.left()))?;
+        self.settle()?;
         self.board.end_wait();
         Ok(())
     }
@@ -336,7 +351,10 @@ impl<S: Backend> Channel for Link<S> {
     fn wait_for_leave(&mut self, limit: Duration) -> bool {
         let wait = Wait::new(0, "its leave", limit);
         while !self.board.is_gone(self.end.peer) {
-            if wait.left().is_zero() || self.block(wait.left().min(TICK)).is_err() {
+            let waited = self
+                .settle()
+                .and_then(|()| self.block(wait.left().min(TICK)));
+            if wait.left().is_zero() || waited.is_err() {
                 return false;
             }
         }

@@ -226,6 +226,8 @@ fn a_killed_engine_ends_the_wait_within_a_second_and_takes_its_files_along() {
 
 /// Starts a run owned by a process of its own, steps it, kills `victim`; everybody else must leave.
 fn kill_and_watch(victim: &str, fault: &str) {
+    // Both links are open, with all their services.
+    const MANY: usize = 60;
     let mut owner = start("orchestrator", &[], "");
     let line = BufReader::new(owner.stdout.take().unwrap())
         .lines()
@@ -243,12 +245,15 @@ fn kill_and_watch(victim: &str, fault: &str) {
     for role in ["fluid", "particles", "coupler"] {
         all.push((role, start(role, &environment, fault)));
     }
-    std::thread::sleep(Duration::from_millis(700));
-    assert!(
-        files_of(&id).len() > 10,
-        "the run has begun: {:?}",
-        files_of(&id)
-    );
+    let began = Instant::now();
+    while files_of(&id).len() < MANY {
+        assert!(
+            began.elapsed() < Duration::from_secs(20),
+            "the run does not begin"
+        );
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    std::thread::sleep(Duration::from_millis(300));
     let place = all.iter().position(|(role, _)| *role == victim).unwrap();
     let (_, mut killed) = all.remove(place);
     killed.kill().unwrap();
