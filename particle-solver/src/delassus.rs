@@ -20,7 +20,7 @@
 //! ```text
 //!   e_c = |natural map|_c / (δt F_c)                                                      (D5)
 //!   F_i = m_i |g| + |q_i − γ_i v_i^n|                                                     (D6)
-//!   F_c = max( min(F_i, F_j), m_c max(ā/10, â/100) ),   m_c = min(m_i, m_j)               (D7)
+//!   F_c = min( r_c/(10 W_nn δt²), max( min(F_i, F_j), m_c max(ā/10, â/100) ) )            (D7)
 //!   ā = Σ F_i / Σ m_i,    â = rms over contacts of [−U_n(v_free)]₊ /(W_nn δt m_c)
 //! ```
 //!
@@ -29,7 +29,10 @@
 //! without drag to |g|δt, with stiff drag to |g|m/γ, which may be 1e-5 of it. F uses the sum of
 //! the magnitudes, because at terminal speed weight and drag cancel. Immobile partners do not
 //! count. The floor (D7) serves grains on which nothing acts, as in an impact without gravity:
-//! a tenth of the mean force per mass, or a hundredth of the rms impact. The root mean square is
+//! a tenth of the mean force per mass, or a hundredth of the rms impact. The cap keeps what a
+//! violation can move grains into each other to a tenth of the smaller radius r_c, times the
+//! tolerance; it acts where forces would move a grain farther than that in a sub-step.
+//! m_c is the smaller mass. The root mean square is
 //! over engaged contacts (R_n > 0 or U_n < 0), so it does not depend on the detection margin.
 
 use crate::contact::Candidate;
@@ -230,7 +233,7 @@ impl System {
             force += scale[grain];
             mass += grains.mass[grain];
         }
-        let lighter = |contact: &Contact, of: &[f64]| {
+        let smaller = |contact: &Contact, of: &[f64]| {
             let one = |body: u32| match self.bodies[body as usize].inverse_mass > 0.0 {
                 true => of[body as usize],
                 false => f64::INFINITY,
@@ -241,7 +244,7 @@ impl System {
         for contact in &self.contacts {
             let violation = -self.speed(contact)[0];
             if violation > 0.0 {
-                let mass = lighter(contact, &grains.mass);
+                let mass = smaller(contact, &grains.mass);
                 squares += (violation * contact.normal_mass / (loads.dt * mass)).powi(2);
                 engaged += 1;
             }
@@ -252,8 +255,10 @@ impl System {
             .contacts
             .iter()
             .map(|contact| {
-                let floor = floor * lighter(contact, &grains.mass);
-                let scale = loads.dt * lighter(contact, &scale).max(floor);
+                let floor = floor * smaller(contact, &grains.mass);
+                let radius = smaller(contact, &grains.radius);
+                let cap = 0.1 * radius * contact.normal_mass / (loads.dt * loads.dt);
+                let scale = loads.dt * smaller(contact, &scale).max(floor).min(cap);
                 if scale > 0.0 { 1.0 / scale } else { 0.0 }
             })
             .collect();

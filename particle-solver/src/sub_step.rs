@@ -14,8 +14,8 @@ use crate::walls::Walls;
 
 /// Times the margin may be enlarged.
 const ATTEMPTS_MAX: usize = 30;
-/// Smallest margin, of the radius.
-const PUSH_MIN: f64 = 0.02;
+/// Smallest and largest margin of the first attempt, of the radius.
+const PUSH: [f64; 2] = [0.02, 0.1];
 /// Head room over what is known to be needed.
 const HEAD_ROOM: f64 = 1.25;
 
@@ -130,7 +130,8 @@ fn first_push(grains: &Grains, free: &[Vector], velocity: &[Vector], dt: f64) ->
                 return 0.0;
             }
             let gained = dt * norm(sub(free[grain], velocity[grain]));
-            f64::max(PUSH_MIN * grains.radius[grain], HEAD_ROOM * gained)
+            let [least, most] = PUSH.map(|part| part * grains.radius[grain]);
+            (HEAD_ROOM * gained).clamp(least, most)
         })
         .collect()
 }

@@ -6,7 +6,7 @@
 //! step the free velocities bring a pair within b of each other, on a line at distance p:
 //!
 //! ```text
-//!   w ≤ w_hit R/p,   w_hit² = 2 R ε r,   ε = 2.5e-3     a hit (equal grains: w ≤ 0.1 r)      (N1)
+//!   w ≤ w_hit R/p,   w_hit² = 2 R ε r,   ε = 1e-2       a hit (equal grains: w ≤ 0.2 r)      (N1)
 //!   w² ≤ 2 b (b − R)                                     a miss is not stopped                (N2)
 //! ```
 //!
@@ -14,19 +14,21 @@
 //! to each other enter. A straight wall has no curvature and asks for nothing, except where a
 //! grain may leave its end: there the motion along it is limited to r/4 a sub-step.
 
-use crate::contact::{Margin, mean_velocity};
+use crate::contact::Margin;
 use crate::detect::Grid;
 use crate::error::Error;
 use crate::grains::Grains;
 use crate::vector::{Vector, add, cross, dot, left, norm, scale, sub};
 use crate::walls::Walls;
 
-/// Artificial gap allowed in a sub-step, of the smaller radius.
-const OPENING: f64 = 2.5e-3;
+/// Artificial gap allowed for the worst pair in a sub-step, of the smaller radius.
+const OPENING: f64 = 1e-2;
 /// Pairs closer than this part of R count as touching, whatever their velocity.
 const TOUCHING: f64 = 0.02;
 /// Distances a grain that the search may cost; more and the search looks less far ahead.
-const WORK_MAX: f64 = 300.0;
+const WORK_MAX: f64 = 100.0;
+/// Parts of the step that the search may be cut into.
+const PARTS_MAX: f64 = 64.0;
 
 /// The geometry in which grains move.
 #[derive(Debug)]
@@ -116,13 +118,7 @@ fn search(
             push: &push,
         };
         let grid = Grid::build(position, &margin.reach(grains), scenery.period);
-        let cheap = grid.work() <= WORK_MAX * grains.count() as f64;
-        // When the frame moves less than a radius, more parts cannot help.
-        let frame = mean_velocity(free_velocity, &grains.fixed);
-        let still = (0..grains.count()).all(|grain| {
-            norm(sub(free_velocity[grain], frame)) * dt / parts < 0.5 * grains.radius[grain]
-        });
-        if cheap || still {
+        if grid.work() <= WORK_MAX * grains.count() as f64 || parts >= PARTS_MAX {
             return (grid, parts);
         }
         parts *= 2.0;
