@@ -1,7 +1,8 @@
 //! The link between coupler and orchestrator: steps and snapshots one way, stop the other.
 //!
-//! `SnapshotTaken` acknowledges a snapshot, and also `Finished` and `Stopped`: the coupler does not
-//! close its buffers before the orchestrator has read the last of them.
+//! `SnapshotTaken` acknowledges a snapshot, and also `Started` (a queue that fills up before its
+//! reader has looked at it for the first time is lost), `Finished` and `Stopped` (the coupler does
+//! not close its buffers before the orchestrator has read the last of them).
 
 use std::time::{Duration, Instant};
 
@@ -28,6 +29,7 @@ pub struct MonitorSender {
     counts: Counts,
     step: u64,
     unanswered: bool,
+    heard: bool,
     stop: bool,
 }
 
@@ -43,6 +45,7 @@ impl MonitorSender {
             counts: Counts::default(),
             step: 0,
             unanswered: false,
+            heard: false,
             stop: false,
         }))
     }
@@ -91,11 +94,16 @@ impl MonitorSender {
             triangles: triangles as u64,
             grains: grain_radius.len() as u64,
             engines: engines.to_vec(),
-        })
+        })?;
+        (self.unanswered, self.heard) = (true, false);
+        Ok(())
     }
 
     /// One accepted step.
     pub fn step(&mut self, values: Vec<Diagnostic>) -> Result<(), Error> {
+        if !self.heard {
+            self.wait_for_answer("Started to be read", TAKE_OVER)?;
+        }
         self.send(&ToOrchestrator::Step(values))
     }
 
@@ -170,7 +178,7 @@ impl MonitorSender {
         match codec::decode(bytes)
             .map_err(|e| Error::invalid(who, self.step, "message", e.to_string()))?
         {
-            FromOrchestrator::SnapshotTaken => self.unanswered = false,
+            FromOrchestrator::SnapshotTaken => (self.unanswered, self.heard) = (false, true),
             FromOrchestrator::Stop => self.stop = true,
         }
         Ok(())
@@ -239,10 +247,7 @@ impl MonitorReceiver {
         let message: ToOrchestrator = codec::decode(&bytes)
             .map_err(|e| Error::invalid(who, header.step, "message", e.to_string()))?;
         let fields = self.fields_of(&message)?;
-        if !matches!(
-            message,
-            ToOrchestrator::Started { .. } | ToOrchestrator::Step(_)
-        ) {
+        if !matches!(message, ToOrchestrator::Step(_)) {
             self.send(FromOrchestrator::SnapshotTaken)?;
         }
         Ok(Some(Event { message, fields }))
