@@ -70,14 +70,13 @@ fn bench(c: &mut Criterion) {
     let mut system = System::new(&mesh);
     let flux = vec![0.0; mesh.node_count()];
     let given = vec![0.0; system.pattern.unknowns()];
-    let mut linear = LinearSolver::new(
-        &system.pattern,
-        &mesh.position,
-        constraints.fixed.clone(),
-        1,
-    )
-    .expect("an analysis");
+    let mut linear = LinearSolver::new(&system.pattern, &mesh.position, constraints.fixed.clone());
 
+    // One thread, so that numbers compare.
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build_global()
+        .expect("a thread");
     let mut group = c.benchmark_group("80x240");
     group
         .sample_size(10)

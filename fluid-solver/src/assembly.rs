@@ -4,12 +4,17 @@
 //! 3j+f holds, for each neighbour i of j in ascending order, the three rows of i. Where an element
 //! adds its block is computed once. Elements are added in their order: same input, same bits.
 
+use rayon::prelude::*;
+
 use crate::boundary::Constraints;
 use crate::continuity;
 use crate::element::EDGE_QUADRATURE;
 use crate::mesh::{BoundaryEdge, Mesh};
 use crate::momentum::{self, Matrix, Vector};
 use crate::point::{Coefficients, Element, ViscousForm};
+
+/// Triangles whose blocks are computed, on all threads, before they are added in order.
+const BATCH: usize = 2048;
 
 /// Which entries of the matrix exist.
 #[derive(Debug, Clone)]
@@ -146,25 +151,20 @@ impl System {
             self.matrix.fill(0.0);
         }
         self.right.fill(0.0);
-        let turned = constraints.frames.iter().any(Option::is_some);
-        for (t, nodes) in mesh.triangles.iter().enumerate() {
-            let element = Element::gather(terms, mesh, t);
-            let mut right: Vector = [0.0; 9];
-            let mut matrix: Matrix = [[0.0; 9]; 9];
-            for at in element.points() {
-                momentum::add_right_side(&at, &mut right);
-                continuity::add_right_side(&at, &mut right);
+        let mut batch = vec![([[0.0; 9]; 9], [0.0; 9]); BATCH.min(mesh.triangles.len())];
+        for first in (0..mesh.triangles.len()).step_by(BATCH) {
+            let count = BATCH.min(mesh.triangles.len() - first);
+            batch[..count]
+                .par_iter_mut()
+                .enumerate()
+                .for_each(|(k, slot)| {
+                    *slot = element_system(terms, mesh, constraints, first + k, matrix_too);
+                });
+            for (k, (matrix, right)) in batch[..count].iter().enumerate() {
+                self.scatter_right(&mesh.triangles[first + k], right);
                 if matrix_too {
-                    momentum::add_matrix(&at, &mut matrix);
-                    continuity::add_matrix(&at, &mut matrix);
+                    self.scatter_matrix(first + k, matrix);
                 }
-            }
-            if turned {
-                turn(&constraints.frames, nodes, &mut matrix, &mut right);
-            }
-            self.scatter_right(nodes, &right);
-            if matrix_too {
-                self.scatter_matrix(t, &matrix);
             }
         }
         if matrix_too && terms.viscous_form == ViscousForm::Symmetric {
@@ -219,6 +219,33 @@ impl System {
         residual.iter_mut().for_each(|value| *value = -*value);
         residual
     }
+}
+
+/// Matrix (zero unless wanted) and right-hand side of triangle `t`.
+fn element_system(
+    terms: &Coefficients<'_>,
+    mesh: &Mesh,
+    constraints: &Constraints,
+    t: usize,
+    matrix_too: bool,
+) -> (Matrix, Vector) {
+    let element = Element::gather(terms, mesh, t);
+    let (mut matrix, mut right) = ([[0.0; 9]; 9], [0.0; 9]);
+    for at in element.points() {
+        momentum::add_right_side(&at, &mut right);
+        continuity::add_right_side(&at, &mut right);
+        if matrix_too {
+            momentum::add_matrix(&at, &mut matrix);
+            continuity::add_matrix(&at, &mut matrix);
+        }
+    }
+    turn(
+        &constraints.frames,
+        &mesh.triangles[t],
+        &mut matrix,
+        &mut right,
+    );
+    (matrix, right)
 }
 
 /// − ∮ μφ (∇v)ᵀn·w on an open edge: the natural condition becomes μφ ∂v/∂n = 0, which a

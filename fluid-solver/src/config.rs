@@ -56,7 +56,7 @@ pub struct FluidConfig {
     pub grad_div: f64,
     /// Uniform initial superficial velocity \[m/s\].
     pub initial_velocity: [f64; 2],
-    /// Threads of the factorisation; the numbers do not depend on it.
+    /// Threads of assembly and factorisation; the numbers do not depend on it.
     pub threads: usize,
     /// Extra force per mixture volume \[N/m³\], for manufactured solutions.
     pub body_force: Option<Arc<BodyForce>>,

@@ -19,12 +19,17 @@
 //! the power of walls, inflow and outer pressure on the fluid; it is taken from the reactions, the
 //! other terms from the fields: their balance `energy_defect` checks the whole assembly.
 
+use rayon::prelude::*;
+
 use crate::assembly::turn_back;
 use crate::boundary::{Condition, Constraints};
 use crate::element::EDGE_QUADRATURE;
 use crate::mesh::Mesh;
 use crate::momentum::dot;
 use crate::point::{Coefficients, Element, Point, ViscousForm};
+
+/// Triangles of a partial sum.
+const PIECE: usize = 1024;
 
 /// Names and values, in a fixed order.
 pub type Numbers = Vec<(String, f64)>;
@@ -84,6 +89,20 @@ impl Powers {
             - (self.inertia + self.viscous + self.stabilisation)
     }
 
+    /// Term by term.
+    fn plus(&self, other: &Powers) -> Powers {
+        Powers {
+            kinetic_energy: self.kinetic_energy + other.kinetic_energy,
+            inertia: self.inertia + other.inertia,
+            viscous: self.viscous + other.viscous,
+            gravity: self.gravity + other.gravity,
+            solid: self.solid + other.solid,
+            source: self.source + other.source,
+            stabilisation: self.stabilisation + other.stabilisation,
+            boundary: self.boundary + other.boundary,
+        }
+    }
+
     /// As diagnostics.
     pub fn numbers(&self) -> Numbers {
         named([
@@ -109,8 +128,23 @@ impl Powers {
 impl Solved<'_> {
     /// All terms of (E).
     pub fn powers(&self) -> Powers {
+        let triangles: Vec<usize> = (0..self.mesh.triangles.len()).collect();
+        // Partial sums of fixed pieces: the same bits on any number of threads.
+        let parts: Vec<Powers> = triangles
+            .par_chunks(PIECE)
+            .map(|t| self.powers_in(t))
+            .collect();
+        let mut sum = parts
+            .iter()
+            .fold(Powers::default(), |sum, part| sum.plus(part));
+        sum.boundary = self.boundary_power();
+        sum
+    }
+
+    /// The terms that are integrals over these triangles.
+    fn powers_in(&self, triangles: &[usize]) -> Powers {
         let mut sum = Powers::default();
-        for t in 0..self.mesh.triangles.len() {
+        for &t in triangles {
             let element = Element::gather(self.terms, self.mesh, t);
             let nodes = self.mesh.triangles[t];
             let u = nodes.map(|n| self.velocity[n]);
@@ -119,7 +153,6 @@ impl Solved<'_> {
                 add_powers(&at, &u, pressure_gradient, &mut sum);
             }
         }
-        sum.boundary = self.boundary_power();
         sum
     }
 

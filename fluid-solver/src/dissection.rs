@@ -9,7 +9,7 @@
 use crate::assembly::Pattern;
 
 /// Pieces of at most this many nodes are not cut.
-const PIECE: usize = 24;
+const PIECE: usize = 16;
 /// Where cuts are tried, as fractions of the sorted nodes.
 const CUTS: [f64; 7] = [0.5, 0.47, 0.53, 0.44, 0.56, 0.41, 0.59];
 

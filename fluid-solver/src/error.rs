@@ -155,6 +155,9 @@ pub enum FluidError {
         /// The value.
         value: f64,
     },
+    /// Threads cannot be started.
+    #[error("threads: {0}")]
+    Threads(String),
     /// The factorisation broke down.
     #[error("linear solver: {0}")]
     Factorisation(String),

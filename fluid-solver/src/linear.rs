@@ -44,7 +44,6 @@ pub struct LinearSolver {
     safe: Option<PivotingLu>,
     /// Does the safe factor hold the present matrix?
     pivoted: bool,
-    pool: Option<rayon::ThreadPool>,
     fixed: Vec<bool>,
     scale: Vec<f64>,
     scaled: Vec<f64>,
@@ -52,28 +51,15 @@ pub struct LinearSolver {
 
 impl LinearSolver {
     /// Analyse a pattern on nodes with these positions; `fixed` unknowns are eliminated.
-    pub fn new(
-        pattern: &Pattern,
-        position: &[[f64; 2]],
-        fixed: Vec<bool>,
-        threads: usize,
-    ) -> Result<LinearSolver, FluidError> {
-        let broken = |error| FluidError::Factorisation(format!("threads: {error}"));
-        let pool = || {
-            rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .map_err(broken)
-        };
-        Ok(LinearSolver {
+    pub fn new(pattern: &Pattern, position: &[[f64; 2]], fixed: Vec<bool>) -> LinearSolver {
+        LinearSolver {
             fast: Multifrontal::new(pattern, position),
             safe: None,
             pivoted: false,
-            pool: if threads > 1 { Some(pool()?) } else { None },
             fixed,
             scale: vec![1.0; pattern.unknowns()],
             scaled: vec![0.0; pattern.entries()],
-        })
+        }
     }
 
     /// Factorise the matrix of a system.
@@ -92,11 +78,7 @@ impl LinearSolver {
                 }
             });
         self.pivoted = false;
-        let (fast, scaled) = (&mut self.fast, &self.scaled);
-        match &self.pool {
-            Some(pool) => pool.install(|| fast.factorise(scaled, true)),
-            None => fast.factorise(scaled, false),
-        }
+        self.fast.factorise(&self.scaled);
     }
 
     /// Factorise the same matrix with row exchanges anywhere.

@@ -94,8 +94,9 @@ impl Multifrontal {
         Multifrontal { plans, factors }
     }
 
-    /// Factorise the matrix with these entries, on the threads of the present pool when `shared`.
-    pub fn factorise(&mut self, values: &[f64], shared: bool) {
+    /// Factorise the matrix with these entries, on the threads of the present pool.
+    pub fn factorise(&mut self, values: &[f64]) {
+        let shared = rayon::current_num_threads() > 1;
         factor_range(
             &self.plans,
             &mut self.factors,

@@ -7,6 +7,8 @@
 //!   steady           D_t v = 0                                        a = v, iterated
 //! ```
 
+use std::sync::Arc;
+
 use crate::assembly::{System, turn_back};
 use crate::boundary::{Constraints, resolve_names};
 use crate::config::{FluidConfig, Nonlinear, TimeScheme};
@@ -52,6 +54,7 @@ pub struct FluidSolver {
     constraints: Constraints,
     system: System,
     linear: LinearSolver,
+    pool: Arc<rayon::ThreadPool>,
     accepted: State,
     candidate: Option<Candidate>,
     key: Option<MatrixKey>,
@@ -100,12 +103,12 @@ impl FluidSolver {
         let constraints = Constraints::new(&mesh, conditions, config.density, config.gravity)?;
         constraints.boundary_flux(&mesh, &constraints.values(&mesh, 0.0))?;
         let system = System::new(&mesh);
-        let linear = LinearSolver::new(
-            &system.pattern,
-            &mesh.position,
-            constraints.fixed.clone(),
-            config.threads,
-        )?;
+        let linear = LinearSolver::new(&system.pattern, &mesh.position, constraints.fixed.clone());
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(config.threads.max(1))
+            .build();
+        let pool = pool.map_err(|error| FluidError::Threads(error.to_string()))?;
+        let pool = Arc::new(pool);
         let accepted = State::uniform(mesh.node_count(), config.initial_velocity);
         let (candidate, key) = (None, None);
         Ok(FluidSolver {
@@ -114,6 +117,7 @@ impl FluidSolver {
             constraints,
             system,
             linear,
+            pool,
             accepted,
             candidate,
             key,
@@ -148,7 +152,8 @@ impl FluidSolver {
             });
         }
         let solid = Solid::new(fields, &self.mesh)?;
-        let candidate = self.compute(dt, &solid)?;
+        let pool = Arc::clone(&self.pool);
+        let candidate = pool.install(|| self.compute(dt, &solid))?;
         Ok(self.candidate.insert(candidate))
     }
 

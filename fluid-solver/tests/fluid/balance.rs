@@ -305,6 +305,28 @@ fn another_pass_reuses_the_factor_and_leaves_the_accepted_state_alone() {
 }
 
 #[test]
+fn threads_do_not_change_a_bit() {
+    let step = |threads: usize| {
+        let mesh = Rectangle::new([0.0; 2], [1.0, 2.0], [20, 40])
+            .mesh()
+            .unwrap();
+        let solid = RandomSolid::new(&mesh, 1e5, 21);
+        let mut config = FluidConfig::new(1000.0, 0.1).with("all", Condition::NoSlip);
+        config.gravity = [0.0, -9.81];
+        config.threads = threads;
+        let mut solver = FluidSolver::new(config, mesh).unwrap();
+        let candidate = solver.advance(0.01, &solid.fields()).unwrap();
+        (
+            candidate.state.clone(),
+            candidate.powers.viscous,
+            candidate.powers.boundary,
+        )
+    };
+    let alone = step(1);
+    assert!((2..=4).all(|threads| step(threads) == alone));
+}
+
+#[test]
 fn a_checkpoint_brings_back_the_same_bits() {
     let mesh = Rectangle::new([0.0; 2], [1.0; 2], [10; 2]).mesh().unwrap();
     let solid = RandomSolid::new(&mesh, 1e3, 9);
