@@ -320,6 +320,10 @@ fn a_stopped_engine_ends_at_the_time_limit() {
     let mut fluid = Partner::accept(Role::Fluid, &run, &limits).unwrap();
     fluid.configure_fluid(&toy::fluid_scene(4)).unwrap();
     signal(&engine, rustix::process::Signal::STOP);
+    let stat = format!("/proc/{}/stat", engine.id());
+    while !std::fs::read_to_string(&stat).unwrap().contains(") T ") {
+        std::thread::sleep(Duration::from_millis(1));
+    }
     let error = fluid
         .advance(&toy::request(1, 0), &[], &mut [])
         .unwrap_err();
