@@ -258,3 +258,41 @@ impl LinearSolver {
         worst
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rectangle::Rectangle;
+
+    #[test]
+    fn both_factors_give_the_same_solution() {
+        let mut rectangle = Rectangle::new([0.0; 2], [1.0; 2], [14, 9]);
+        rectangle.periodic = [true, false];
+        let mesh = rectangle.mesh().unwrap();
+        let mut system = System::new(&mesh);
+        // Any matrix with a strong diagonal, and a given unknown among the others.
+        let mut state = 1u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 24) - 0.5
+        };
+        let mut matrix = Vec::new();
+        system.pattern.for_each(&system.matrix, |row, column, _| {
+            matrix.push(random() + if row == column { 8.0 } else { 0.0 });
+        });
+        system.matrix = matrix;
+        system.right.iter_mut().for_each(|value| *value = random());
+        let mut fixed = vec![false; system.pattern.unknowns()];
+        fixed[7] = true;
+        let given = vec![0.25; fixed.len()];
+        let mut linear = LinearSolver::new(&system.pattern, &mesh.position, fixed);
+        linear.factorise(&system);
+        let fast = linear.solve(&system, &given).unwrap();
+        linear.factorise_safely(&system.pattern).unwrap();
+        let safe = linear.solve(&system, &given).unwrap();
+        assert!(!fast.pivoted && safe.pivoted && fast.unknowns[7] == 0.25);
+        let pairs = fast.unknowns.iter().zip(&safe.unknowns);
+        let difference = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(difference < 1e-13, "{difference}");
+    }
+}

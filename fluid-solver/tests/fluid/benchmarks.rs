@@ -240,7 +240,7 @@ fn cylinder_forces_on_a_coarse_mesh_are_close() {
 }
 
 #[test]
-#[ignore = "takes 15 s: cargo test --release -p fluid-solver -- --ignored cylinder --nocapture"]
+#[ignore = "takes 5 s: cargo test --release -p fluid-solver -- --ignored cylinder --nocapture"]
 fn cylinder_forces_are_the_published_ones() {
     let (nodes, drag, lift, _) = cylinder("cylinder.msh");
     assert!(nodes <= 25_000);
