@@ -54,7 +54,7 @@ pub struct SceneArgs {
     /// Set a key of the scene, e.g. --set run.end_time=0.5 (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<String>,
-    /// Threads each engine may use [default: all cores]
+    /// Threads each engine may use (default: all cores)
     #[arg(long, value_name = "N")]
     pub threads: Option<std::num::NonZeroUsize>,
 }
@@ -74,7 +74,7 @@ pub struct RunArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Run folder; an earlier run in it is replaced [default: runs/<scene>-<time>]
+    /// Run folder; an earlier run in it is replaced (default: runs/SCENE-TIME)
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// One JSON document on stdout at the end

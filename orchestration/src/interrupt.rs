@@ -2,11 +2,15 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 
 use crate::error::Error;
+
+/// One key press, or one `timeout`, may arrive as several signals; a person needs longer than this.
+const ONE_WISH: Duration = Duration::from_millis(250);
 
 /// How often an interruption was asked for.
 #[derive(Clone)]
@@ -20,8 +24,12 @@ impl Interrupts {
             .map_err(Error::file("cannot handle signals of", "this process"))?;
         let shared = Arc::clone(&counter);
         std::thread::spawn(move || {
+            let mut last: Option<Instant> = None;
             for _ in signals.forever() {
-                shared.fetch_add(1, Ordering::SeqCst);
+                if last.is_none_or(|last| last.elapsed() > ONE_WISH) {
+                    shared.fetch_add(1, Ordering::SeqCst);
+                }
+                last = Some(Instant::now());
             }
         });
         Ok(Interrupts(counter))

@@ -7,7 +7,7 @@
 //! | `grains` | populations: where the grains are at t = 0 |
 //! | `plan` | which processes, terms and fields a scene needs |
 //! | `run` | a scene into a run folder |
-//! | `launch`, `watch` | child processes: start, wait, end |
+//! | `launch`, `watch`, `verdict` | child processes: start, wait, end, and why they ended |
 //! | `interrupt`, `progress` | Ctrl-C, and how far a run is |
 //! | `output` | run folder: `steps.csv`, ParaView files, pictures, `run.json` |
 //! | `doctor` | what this machine offers |
@@ -23,6 +23,7 @@ pub mod plan;
 pub mod progress;
 pub mod run;
 pub mod scene;
+pub mod verdict;
 pub mod watch;
 
 pub use error::Error;

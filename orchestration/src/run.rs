@@ -14,7 +14,8 @@ use crate::output::report::{self, Ending};
 use crate::output::{RunFolder, writer::Writer};
 use crate::progress::Progress;
 use crate::scene::Scene;
-use crate::watch::{Verdict, Watch};
+use crate::verdict::Verdict;
+use crate::watch::Watch;
 
 /// A run that was started and is over.
 pub struct Outcome {
@@ -119,9 +120,12 @@ fn transport(error: protocol::error::Error) -> Error {
     }
 }
 
-/// What failed processes said last.
+/// What failed processes said last; those that only lost a partner have nothing to add.
 fn show_last_words(processes: &[Process]) {
-    for process in processes.iter().filter(|process| process.code() != Some(0)) {
+    let failed = |process: &&Process| {
+        !process.signalled && !matches!(process.code(), Some(0 | exit_code::PARTNER_LOST))
+    };
+    for process in processes.iter().filter(failed) {
         eprintln!(
             "--- {} {}; {}",
             process.seat,

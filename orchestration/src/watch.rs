@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Processes of a run watch each other: when one is lost the others leave by themselves within a
-//! second. What still runs after [`PATIENCE`] is ended: SIGTERM, then SIGKILL.
+//! second. What still runs after two seconds is ended: SIGTERM, then SIGKILL.
 
 use std::time::{Duration, Instant};
 
@@ -19,6 +19,7 @@ use crate::interrupt::Interrupts;
 use crate::launch::{self, Process};
 use crate::output::writer::Writer;
 use crate::progress::Progress;
+use crate::verdict::{Evidence, LastWord, Verdict};
 
 /// How long processes may take to leave by themselves.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -26,22 +27,6 @@ const PATIENCE: Duration = Duration::from_secs(2);
 const MERCY: Duration = Duration::from_secs(1);
 /// How often children and interruptions are looked at.
 const TICK: Duration = Duration::from_millis(50);
-
-/// How a run ended.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Verdict {
-    /// Exit code of the run.
-    pub code: i32,
-    /// Who, at which step, waiting for what; none when all went well.
-    pub why: Option<String>,
-}
-
-/// What the coupler said last.
-#[derive(Debug, Clone, PartialEq)]
-enum LastWord {
-    Finished,
-    Stopped { code: i32, why: String },
-}
 
 /// Watches over the processes of one run.
 pub struct Watch<'a> {
@@ -167,123 +152,23 @@ impl Watch<'_> {
         }
     }
 
-    /// Exit code and reason, from what was said and how the processes ended.
     fn judge(&self, state: &State) -> Verdict {
-        let (step, time) = (self.progress.step, self.progress.time);
+        let (steps, time) = (self.progress.step, self.progress.time);
         if state.asked_to_stop {
             let how = if state.killed { "killed" } else { "stopped" };
-            let why = format!("interrupted: {how} after step {step}, t = {time:e} s");
+            let why = format!("interrupted: {how} after step {steps}, t = {time:e} s");
             return Verdict {
                 code: exit_code::INTERRUPTED,
                 why: Some(why),
             };
         }
-        let stopped = match &state.last_word {
-            Some(LastWord::Stopped { code, why }) => Some((*code, why.clone())),
-            _ => None,
+        let evidence = Evidence {
+            processes: &self.processes,
+            last_word: state.last_word.as_ref(),
+            broken: state.broken.as_ref(),
+            steps,
         };
-        if let Some(victim) = self.processes.iter().find(|process| process.was_killed()) {
-            let (seat, id) = (&victim.seat, victim.id);
-            let mut why = format!(
-                "the {seat} (process {id}) {} at step {}",
-                victim.ending(),
-                step + 1
-            );
-            match &stopped {
-                Some((_, words)) => why += &format!("; coupler: {words}"),
-                None => {
-                    why +=
-                        &format!(", while the next message was awaited; {step} steps are written")
-                }
-            }
-            return Verdict {
-                code: exit_code::PARTNER_LOST,
-                why: Some(why),
-            };
-        }
-        // A process that failed knows better than those that lost it.
-        let failed = self
-            .processes
-            .iter()
-            .filter(|process| !process.signalled)
-            .find(|process| !matches!(process.code(), None | Some(0 | exit_code::PARTNER_LOST)));
-        match (&state.last_word, stopped, failed) {
-            (_, Some((code, why)), None) => Verdict {
-                code,
-                why: Some(why),
-            },
-            (_, Some((code, why)), Some(process)) if code == exit_code::PARTNER_LOST => {
-                let (seat, ending) = (&process.seat, process.ending());
-                let code = known(process.code().unwrap_or(exit_code::ENGINE));
-                Verdict {
-                    code,
-                    why: Some(format!(
-                        "the {seat} {ending} at step {}; coupler: {why}",
-                        step + 1
-                    )),
-                }
-            }
-            (_, Some((code, why)), Some(_)) => Verdict {
-                code,
-                why: Some(why),
-            },
-            (_, None, Some(process)) => {
-                let code = known(process.code().unwrap_or(exit_code::ENGINE));
-                let why = format!(
-                    "the {} {} at step {}",
-                    process.seat,
-                    process.ending(),
-                    step + 1
-                );
-                Verdict {
-                    code,
-                    why: Some(why),
-                }
-            }
-            (Some(LastWord::Finished), None, None) if self.all_left_well() => Verdict {
-                code: exit_code::OK,
-                why: None,
-            },
-            (Some(LastWord::Finished), None, None) => {
-                let names = self
-                    .processes
-                    .iter()
-                    .filter(|process| process.code() != Some(0));
-                let names: Vec<&str> = names.map(|process| process.seat.as_str()).collect();
-                let why = format!(
-                    "the run finished, but did not end well: {}",
-                    names.join(", ")
-                );
-                Verdict {
-                    code: exit_code::PARTNER_LOST,
-                    why: Some(why),
-                }
-            }
-            (_, None, None) => {
-                let (code, why) = state.broken.clone().unwrap_or((
-                    exit_code::PARTNER_LOST,
-                    format!("the processes left at step {} without a word", step + 1),
-                ));
-                Verdict {
-                    code,
-                    why: Some(why),
-                }
-            }
-        }
-    }
-
-    fn all_left_well(&self) -> bool {
-        self.processes
-            .iter()
-            .all(|process| process.code() == Some(0))
-    }
-}
-
-/// Exit codes outside the contract (a foreign engine's own) count as a failed engine.
-fn known(code: i32) -> i32 {
-    match code {
-        exit_code::SCENE..=exit_code::NOT_CONVERGED | exit_code::INTERRUPTED => code,
-        _ => exit_code::ENGINE,
+        evidence.verdict()
     }
 }
 

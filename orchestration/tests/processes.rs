@@ -287,7 +287,7 @@ fn a_second_interruption_kills() {
     kill(Pid::from_raw(children["sillage-fluid"]), Signal::SIGSTOP).expect("stopped");
     let this = Pid::from_raw(run.child.id() as i32);
     kill(this, Signal::SIGINT).expect("signalled");
-    std::thread::sleep(Duration::from_millis(300));
+    std::thread::sleep(Duration::from_millis(600));
     assert!(
         run.child.try_wait().expect("status").is_none(),
         "it must wait for the step"

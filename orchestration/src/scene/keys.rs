@@ -51,9 +51,9 @@ pub struct SceneFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Run {
-    /// When the run ends [s].
+    /// When the run ends (s).
     pub end_time: f64,
-    /// Coupling step [s]: how often fluid and grains exchange.
+    /// Coupling step (s): how often fluid and grains exchange.
     pub coupling_step: f64,
 }
 
@@ -61,7 +61,7 @@ pub struct Run {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Gravity {
-    /// Acceleration g [m/s²], e.g. [0.0, -9.81].
+    /// Acceleration g (m/s²), e.g. [0.0, -9.81].
     pub acceleration: [f64; 2],
 }
 
@@ -69,9 +69,9 @@ pub struct Gravity {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Fluid {
-    /// Density [kg/m³].
+    /// Density (kg/m³).
     pub density: f64,
-    /// Dynamic viscosity [Pa s].
+    /// Dynamic viscosity (Pa s).
     pub dynamic_viscosity: f64,
     /// Where the fluid is.
     pub domain: Domain,
@@ -95,7 +95,7 @@ pub struct Fluid {
     pub viscous_form: ViscousForm,
     /// Factor of the grad-div stabilisation; left out: 1 with grains, 0.1 without.
     pub grad_div: Option<f64>,
-    /// Uniform initial superficial velocity [m/s].
+    /// Uniform initial superficial velocity (m/s).
     #[serde(default)]
     pub initial_velocity: [f64; 2],
 }
@@ -114,9 +114,9 @@ pub struct Domain {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Rectangle {
-    /// Lower left corner [m].
+    /// Lower left corner (m).
     pub lower: [f64; 2],
-    /// Upper right corner [m].
+    /// Upper right corner (m).
     pub upper: [f64; 2],
     /// Cells in x and y.
     pub cells: [usize; 2],
@@ -141,7 +141,7 @@ pub enum BoundaryKey {
     Periodic,
     /// Velocity given; also a moving wall.
     Inflow {
-        /// Superficial velocity [m/s]; the largest one when parabolic.
+        /// Superficial velocity (m/s); the largest one when parabolic.
         velocity: [f64; 2],
         /// Shape across the boundary: "uniform" or "parabolic".
         #[serde(default = "uniform")]
@@ -150,7 +150,7 @@ pub enum BoundaryKey {
     },
     /// Pressure given at the highest point, hydrostatic below it.
     Open {
-        /// Pressure [Pa].
+        /// Pressure (Pa).
         pressure: f64,
     },
 }
@@ -173,7 +173,7 @@ pub enum DefaultWalls {
     /// A wall on every side that is neither periodic nor open.
     #[default]
     Domain,
-    /// Only the segments under [[walls]].
+    /// Only the segments written as `walls`.
     None,
 }
 
@@ -181,9 +181,9 @@ pub enum DefaultWalls {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GrainDomain {
-    /// Lower left corner [m].
+    /// Lower left corner (m).
     pub lower: [f64; 2],
-    /// Upper right corner [m].
+    /// Upper right corner (m).
     pub upper: [f64; 2],
     /// Sides without a wall: any of "left", "right", "bottom", "top".
     #[serde(default)]
@@ -211,9 +211,9 @@ pub enum Side {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WallSegment {
-    /// Start [m].
+    /// Start (m).
     pub from: [f64; 2],
-    /// End [m].
+    /// End (m).
     pub to: [f64; 2],
 }
 
@@ -254,7 +254,7 @@ pub struct Coupling {
     #[serde(default = "disk")]
     #[schemars(schema_with = "schema::geometry")]
     pub geometry: Geometry,
-    /// Smoothing length of deposited fields [m]; 0: none; left out: chosen from grain and cell size.
+    /// Smoothing length of deposited fields (m); 0: none; left out: chosen from grain and cell size.
     pub smoothing_length: Option<f64>,
     /// Adaptive coupling step: { step_min, step_max, courant }.
     #[schemars(schema_with = "schema::adaptive")]
@@ -283,7 +283,7 @@ pub struct EngineCommand {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Output {
-    /// Time between states written [s]; left out: only the first and the last.
+    /// Time between states written (s); left out: only the first and the last.
     pub every: Option<f64>,
     /// Draw a picture of every state written.
     #[serde(default = "yes")]
@@ -300,7 +300,7 @@ pub struct Record {
     pub file: String,
 }
 
-/// How long to wait for an engine, all [s].
+/// How long to wait for an engine, all (s).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LimitKeys {

@@ -10,11 +10,11 @@ use serde::{Deserialize, Deserializer, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Grains {
-    /// Density [kg/m³]; required unless the file has a column for it.
+    /// Density (kg/m³); required unless the file has a column for it.
     pub density: Option<f64>,
-    /// Radius [m], or { min, max }; required unless they come from a file.
+    /// Radius (m), or { min, max }; required unless they come from a file.
     pub radius: Option<Radius>,
-    /// Initial velocity [m/s].
+    /// Initial velocity (m/s).
     #[serde(default)]
     pub velocity: [f64; 2],
     /// Grains that never move.
@@ -35,7 +35,7 @@ pub struct Grains {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Radius {
-    /// All grains alike [m].
+    /// All grains alike (m).
     One(f64),
     /// Uniformly distributed.
     Range(RadiusRange),
@@ -45,14 +45,14 @@ pub enum Radius {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RadiusRange {
-    /// Smallest [m].
+    /// Smallest (m).
     pub min: f64,
-    /// Largest [m].
+    /// Largest (m).
     pub max: f64,
 }
 
 impl Radius {
-    /// Smallest radius [m].
+    /// Smallest radius (m).
     pub fn min(self) -> f64 {
         match self {
             Radius::One(radius) => radius,
@@ -60,7 +60,7 @@ impl Radius {
         }
     }
 
-    /// Largest radius [m].
+    /// Largest radius (m).
     pub fn max(self) -> f64 {
         match self {
             Radius::One(radius) => radius,
@@ -73,9 +73,9 @@ impl Radius {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Cloud {
-    /// Centre [m].
+    /// Centre (m).
     pub centre: [f64; 2],
-    /// Radius of the cloud [m].
+    /// Radius of the cloud (m).
     pub radius: f64,
     /// Share of the cloud's area that grains take; or give the count.
     pub solid_fraction: Option<f64>,
@@ -104,11 +104,11 @@ pub enum Arrangement {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Lattice {
-    /// Lower left corner [m].
+    /// Lower left corner (m).
     pub lower: [f64; 2],
-    /// Upper right corner [m].
+    /// Upper right corner (m).
     pub upper: [f64; 2],
-    /// Distance between neighbours [m]; or give the solid fraction.
+    /// Distance between neighbours (m); or give the solid fraction.
     pub spacing: Option<f64>,
     /// Share of the rectangle's area that grains take; whole cells fill the rectangle.
     pub solid_fraction: Option<f64>,
@@ -135,9 +135,9 @@ pub enum Pattern {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FilledBox {
-    /// Lower left corner [m].
+    /// Lower left corner (m).
     pub lower: [f64; 2],
-    /// Upper right corner [m].
+    /// Upper right corner (m).
     pub upper: [f64; 2],
     /// Share of the rectangle's area that grains take; or give the count.
     pub solid_fraction: Option<f64>,

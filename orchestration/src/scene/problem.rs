@@ -7,9 +7,9 @@ use serde::Serialize;
 /// One thing that is wrong with a scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Problem {
-    /// Where: "cloud.toml:14", or "--set grains[0].radius" for a key given on the command line.
+    /// Where: "cloud.toml:14", or `--set grains[0].radius` for a key given on the command line.
     pub place: String,
-    /// The key, e.g. "grains[0].radius"; empty when the file is not TOML.
+    /// The key, e.g. `grains[0].radius`; empty when the file is not TOML.
     pub key: String,
     /// The value as written, when there is one.
     pub value: Option<String>,
