@@ -1,6 +1,6 @@
 //! The coupled system: its engines, its accepted state, and one step of it.
 
-use protocol::configure::{CouplerScene, Geometry};
+use protocol::configure::{CouplerScene, Geometry, Scheme};
 use protocol::engine::InitialGrains;
 use protocol::messages::Hello;
 use protocol::partner::Partner;
@@ -15,6 +15,9 @@ use crate::transfer::{Placement, Transfer};
 
 /// Deposited fields keep the lumped mass up to this ratio of grain diameter to cell size.
 const LUMPED_RATIO_MAX: f64 = 0.25;
+
+/// Contact residual allowed, of the tolerance of the passes.
+const CONTACT_SHARE: f64 = 0.1;
 
 /// The accepted grains. Vectors are interleaved.
 #[derive(Debug, Clone, Default)]
@@ -149,6 +152,11 @@ impl Coupling {
             pressure_gradient: (0..2 * nodes).map(|k| density * gravity[k % 2]).collect(),
         };
         Ok(())
+    }
+
+    /// The scene that is run.
+    pub fn scene(&self) -> &CouplerScene {
+        &self.scene
     }
 
     /// Who takes part.
@@ -427,11 +435,20 @@ impl Coupling {
         seat.advance(request, Some((drag, force)), sub_steps, tolerance)
     }
 
+    /// Contact residual asked for: that of the scene, and well below the defect that ends the passes,
+    /// which could not be reached otherwise.
     fn contact_tolerance(&self) -> f64 {
-        self.scene
+        let own = self
+            .scene
             .particles
             .as_ref()
-            .map_or(0.0, |part| part.tolerance)
+            .map_or(0.0, |part| part.tolerance);
+        match self.scene.scheme {
+            Scheme::Iterated { tolerance, .. } if self.fluid.is_some() => {
+                own.min(CONTACT_SHARE * tolerance)
+            }
+            _ => own,
+        }
     }
 
     pub(crate) fn transfer(&self) -> &Transfer {

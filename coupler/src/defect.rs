@@ -15,8 +15,11 @@ use crate::engines::GrainCandidate;
 use crate::response::Model;
 use crate::transfer::Placement;
 
+/// Part of a grain's weight that its forces are known to: neutral grains at rest feel nothing else.
+const ROUND_OFF: f64 = 1e-7;
+
 /// Size of the residual of a pass.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Defect {
     /// d of (F3).
     pub relative: f64,
@@ -24,6 +27,8 @@ pub struct Defect {
     pub scale: f64,
     /// |Σ γ r| over the grains' total weight in the fluid.
     pub momentum: f64,
+    /// |e_i|/f_i of each grain.
+    pub of_grains: Vec<f64>,
 }
 
 /// d of a pass.
@@ -44,18 +49,25 @@ pub fn measure(
     let gravity = coupling.scene.gravity;
     let weight =
         |i: usize, axis: usize| (grains.mass[i] - density * model.volume[i]) * gravity[axis];
-    let error = transfer.deposit_vector(placement, |i| {
+    let error_of = |i: usize| {
         let stiffness = model.drag[i] + (grains.mass[i] + density * model.volume[i]) / dt;
         [0, 1].map(|axis| stiffness * residual[2 * i + axis]) // (F1)
-    });
-    let scale = transfer.deposit(placement, |i| {
+    };
+    let scale_of = |i: usize| {
         let hydrodynamic = [0, 1].map(|axis| {
             let k = 2 * i + axis;
-            force[k] - model.drag[i] * candidate.mean_velocity[k]
-                + density * model.volume[i] * gravity[axis]
+            let buoyancy = density * model.volume[i] * gravity[axis];
+            force[k] - model.drag[i] * candidate.mean_velocity[k] + buoyancy
         });
-        weight(i, 0).hypot(weight(i, 1)) + hydrodynamic[0].hypot(hydrodynamic[1]) // (F2)
-    });
+        let round_off = ROUND_OFF * grains.mass[i] * gravity[0].hypot(gravity[1]);
+        weight(i, 0).hypot(weight(i, 1)) + hydrodynamic[0].hypot(hydrodynamic[1]) + round_off // (F2)
+    };
+    let error = transfer.deposit_vector(placement, error_of);
+    let scale = transfer.deposit(placement, scale_of);
+    let of_grain = |i: usize| {
+        let [x, y] = error_of(i);
+        x.hypot(y) / scale_of(i).max(f64::MIN_POSITIVE)
+    };
     let mass = transfer.nodal_mass();
     let scale = nodal_norm(mass, &scale).max(f64::MIN_POSITIVE);
     let total = |value: &dyn Fn(usize, usize) -> f64| {
@@ -67,6 +79,7 @@ pub fn measure(
         relative: nodal_norm(mass, &error) / scale, // (F3)
         scale,
         momentum: total(&|i, axis| model.drag[i] * residual[2 * i + axis]) / weight_total,
+        of_grains: (0..grains.count()).map(of_grain).collect(),
     }
 }
 

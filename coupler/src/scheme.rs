@@ -32,8 +32,14 @@ pub const TOUCHES: f64 = 1.0;
 pub const HELD: f64 = 2.0;
 
 const ANDERSON_DEPTH: usize = 10;
-/// Passes with λ = 1 on touching grains before they too get ½.
-const PATIENCE: u32 = 8;
+/// Passes may go on without bringing the defect below this part of its smallest value so far…
+const CONTRACTION: f64 = 0.7;
+/// … this many times.
+const PATIENCE: u32 = 4;
+/// A defect that grows by this factor has no patience.
+const GROWTH_MAX: f64 = 5.0;
+/// A grain's model is wrong when its own defect is above this multiple of the tolerance.
+const WRONG: f64 = 10.0;
 /// The unbalanced force of a staggered step is carried on only below this defect: above it, the
 /// carry amplifies.
 const CARRY_MAX: f64 = 1e-2;
@@ -68,12 +74,13 @@ struct Iteration {
     fields: NodalResponse,
     known: FluidState,
     sub_steps: u32,
-    /// Raised λ of held grains, then of touching ones.
-    raised_held: bool,
-    raised_touching: bool,
     predicted: bool,
+    /// Times λ was raised where the model was wrong.
+    raised: u32,
     anderson: Option<Anderson>,
-    passes_with_matrix: u32,
+    /// Smallest defect with this matrix, and passes since it was set.
+    smallest: f64,
+    passes_without_progress: u32,
 }
 
 impl Coupling {
@@ -95,6 +102,7 @@ impl Coupling {
             let change = self.correction_change(&iteration, &placement, &outcome);
             let converged =
                 outcome.defect.relative <= tolerance && (pass == 1 || change <= tolerance);
+            self.log_pass(&iteration, &outcome, change);
             if converged {
                 outcome.carried = carried_force(&outcome);
                 return Ok(outcome);
@@ -111,7 +119,7 @@ impl Coupling {
                     grains: self.grains.count(),
                 });
             }
-            self.next_iterate(&mut iteration, &placement, &outcome, dt);
+            self.next_iterate(&mut iteration, &placement, &outcome, dt, tolerance);
             pass += 1;
         }
     }
@@ -127,7 +135,9 @@ impl Coupling {
         let drag = self.drag_coefficients(placement, &porosity, dt);
         let mut model = self.free_model(drag, dt, 1);
         let mut sub_steps = 0;
-        let predicted = self.grains.contact.iter().any(|&state| state >= TOUCHES);
+        // at the start nobody knows yet who touches
+        let touching = self.grains.contact.iter().any(|&state| state >= TOUCHES);
+        let predicted = touching || self.step == 0;
         if predicted {
             let force = self.grain_force(placement, &known, &model);
             let request = self.request(0, dt);
@@ -145,11 +155,11 @@ impl Coupling {
             fields,
             known,
             sub_steps,
-            raised_held: false,
-            raised_touching: false,
             predicted,
+            raised: 0,
             anderson: None,
-            passes_with_matrix: 0,
+            smallest: f64::INFINITY,
+            passes_without_progress: 0,
         })
     }
 
@@ -183,7 +193,6 @@ impl Coupling {
             &grains,
             dt,
         );
-        iteration.passes_with_matrix += 1;
         Ok(Outcome {
             fluid,
             grains,
@@ -198,6 +207,30 @@ impl Coupling {
         })
     }
 
+    fn log_pass(&self, iteration: &Iteration, outcome: &Outcome, change: f64) {
+        let (held, touching) = count_contacts(&outcome.grains.contact);
+        let count = |value: f64| {
+            iteration
+                .model
+                .lambda
+                .iter()
+                .filter(|&&lambda| lambda == value)
+                .count()
+        };
+        tracing::debug!(
+            step = self.step + 1,
+            pass = outcome.passes,
+            defect = outcome.defect.relative,
+            change,
+            held,
+            touching,
+            lambda_zero = count(0.0),
+            lambda_half = count(0.5),
+            sub_steps = outcome.grains.sub_steps,
+            "pass"
+        );
+    }
+
     /// Change z (and, when it proved wrong, λ) for another pass.
     fn next_iterate(
         &self,
@@ -205,7 +238,14 @@ impl Coupling {
         placement: &Placement,
         outcome: &Outcome,
         dt: f64,
+        tolerance: f64,
     ) {
+        if outcome.defect.relative <= CONTRACTION * iteration.smallest {
+            iteration.smallest = outcome.defect.relative;
+            iteration.passes_without_progress = 0;
+        } else {
+            iteration.passes_without_progress += 1;
+        }
         let contact = &outcome.grains.contact;
         let sub_steps_changed = iteration.sub_steps != outcome.grains.sub_steps;
         let new_lambda = if !iteration.predicted {
@@ -213,12 +253,20 @@ impl Coupling {
             iteration.predicted = true;
             self.choose_lambda(&mut iteration.model, contact);
             true
-        } else if !iteration.raised_held {
-            iteration.raised_held = true;
-            self.raise_lambda(&mut iteration.model, |lambda, _| lambda < 0.5)
-        } else if !iteration.raised_touching && iteration.passes_with_matrix >= PATIENCE {
-            iteration.raised_touching = true;
-            self.raise_lambda(&mut iteration.model, |_, grain| contact[grain] >= TOUCHES)
+        } else if self.does_not_contract(iteration, outcome) {
+            iteration.raised += 1;
+            let wrong = |grain: usize| match iteration.raised {
+                1 | 2 => outcome.defect.of_grains[grain] > WRONG * tolerance,
+                _ => true,
+            };
+            self.raise_lambda(&mut iteration.model, |lambda, grain| {
+                let suspect = if iteration.raised == 1 {
+                    lambda < 0.5
+                } else {
+                    contact[grain] >= TOUCHES || lambda < 0.5
+                };
+                suspect && wrong(grain)
+            })
         } else {
             false
         };
@@ -236,12 +284,22 @@ impl Coupling {
             explain(&mut iteration.model, &outcome.grains, &outcome.force);
             iteration.known = outcome.fluid.clone();
             iteration.anderson = None;
-            iteration.passes_with_matrix = 0;
+            iteration.passes_without_progress = 0;
+            iteration.smallest = f64::INFINITY;
             let porosity = std::mem::take(&mut iteration.fields.porosity);
             iteration.fields = self.matrix_fields(placement, &porosity, &iteration.model);
         } else {
             self.accelerate(iteration, outcome, dt);
         }
+    }
+
+    /// The first pass with held grains (λ = 0 is right or wrong at once), then any lack of progress.
+    fn does_not_contract(&self, iteration: &Iteration, outcome: &Outcome) -> bool {
+        let movable_held = |(grain, &lambda): (usize, &f64)| lambda == 0.0 && !self.grains.fixed[grain];
+        let held = iteration.model.lambda.iter().enumerate().any(movable_held);
+        let first = iteration.raised == 0 && held;
+        let grows = outcome.defect.relative > GROWTH_MAX * iteration.smallest;
+        iteration.raised < 3 && (first || grows || iteration.passes_without_progress >= PATIENCE)
     }
 
     /// (z, w*, G*) ← Anderson of (v̄ − λ D q, w, G).

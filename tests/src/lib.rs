@@ -93,6 +93,8 @@ pub fn scene(fluid: Option<FluidScene>, particles: Option<ParticleScene>, coupli
 
 /// Start our engines on threads and couple them.
 pub fn couple(scene: CouplerScene, grains: &InitialGrains) -> Coupling {
+    let filter = tracing_subscriber::EnvFilter::from_env("SILLAGE_LOG"); // SILLAGE_LOG=coupler=debug shows passes
+    let _ = tracing_subscriber::fmt().with_env_filter(filter).without_time().with_test_writer().try_init();
     let fluid = scene.fluid.is_some().then(|| protocol::local::spawn_fluid(fluid_solver::serve::Engine::default).expect("a fluid engine"));
     let particles = scene
         .particles

@@ -194,6 +194,7 @@ fn a_stiff_cloud_that_collides_takes_few_passes_and_falls_as_with_many() {
         }
         ((start - mean(&coupling.grains.position, 1)) / cloud.radius, f64::from(passes) / 25.0, contacts as f64 / 25.0, stiffness)
     };
+    for tol in [1e-4, 1e-3, 3e-3, 1e-2, 3e-2, 6e-2] { println!("{tol} {:?}", fall(tol, 300)); }
     let (few, passes, contacts, stiffness) = fall(1e-3, 40);
     let (many, passes_many, _, _) = fall(1e-6, 400);
     println!("| tolerance | passes a step | fall/R | touching grains |");

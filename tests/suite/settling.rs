@@ -1,5 +1,6 @@
 //! Suspensions: fronts, rest, growth of a heavy layer, the deferred correction.
 
+use coupler::coupling::Coupling;
 use protocol::configure::{Boundary, DragLaw, Scheme, Wall};
 use protocol::engine::InitialGrains;
 use tests::grains::{Noise, disks, lattice};
@@ -17,7 +18,8 @@ fn the_settling_front_of_a_column_moves_at_the_kynch_speed() {
         let spacing = radius * (std::f64::consts::PI / solid_fraction).sqrt();
         let counts = [5, (0.02 / spacing) as usize];
         let (width, height) = (5.0 * spacing, counts[1] as f64 * spacing);
-        let rows = counts[1] / 2;
+        // one layer a cell: the hats over equally spaced grains sum to one, wherever they are
+        let rows = counts[1];
         let fluid = with_uniform_diagonals(with_boundaries(
             fluid(1000.0, 1e-3, GRAVITY, [0.0, 0.0], [width, height], [1, rows]),
             &[("left", Boundary::Periodic), ("right", Boundary::Periodic), ("bottom", Boundary::Slip), ("top", Boundary::Slip)],
@@ -31,25 +33,31 @@ fn the_settling_front_of_a_column_moves_at_the_kynch_speed() {
         let centres = lattice([0.0, 0.0], spacing, counts);
         let grains = disks(&centres, &vec![radius; centres.len()], 2500.0);
         let mut coupling = couple(scene, &grains);
-        let rear = |position: &[f64]| -> f64 {
-            let mut y: Vec<f64> = position.iter().skip(1).step_by(2).copied().collect();
-            y.sort_by(f64::total_cmp);
-            y[y.len() - 5..].iter().sum::<f64>() / 5.0
-        };
         let (mut early, mut late) = (0.0, 0.0);
-        for step in 1..=150 {
+        for step in 1..=240 {
             coupling.advance(dt).unwrap_or_else(|error| panic!("c0 {solid_fraction} step {step}: {error}"));
             match step {
-                30 => early = rear(&coupling.grains.position),
-                150 => late = rear(&coupling.grains.position),
+                60 => early = front_height(&coupling, 0.5 * solid_fraction),
+                240 => late = front_height(&coupling, 0.5 * solid_fraction),
                 _ => {}
             }
         }
-        let front = (early - late) / (120.0 * dt);
+        let front = (early - late) / (180.0 * dt);
         let error = front / expected - 1.0;
         println!("| {solid_fraction} | {front:.4e} | {expected:.4e} | {:.2} % |", 100.0 * error);
         assert!(error.abs() < 0.01, "c0 {solid_fraction}: {error}");
     }
+}
+
+/// Highest level at which the deposited solid fraction of a column is `level` \[m\].
+fn front_height(coupling: &Coupling, level: f64) -> f64 {
+    let mesh = &coupling.fluid.as_ref().expect("a fluid").mesh;
+    let mut profile: Vec<(f64, f64)> =
+        (0..coupling.porosity.len()).map(|node| (mesh.node_position[2 * node + 1], 1.0 - coupling.porosity[node])).collect();
+    profile.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let pair = profile.windows(2).rev().find(|pair| pair[0].1 >= level && pair[1].1 < level).expect("a front");
+    let share = (pair[0].1 - level) / (pair[0].1 - pair[1].1);
+    pair[0].0 + share * (pair[1].0 - pair[0].0)
 }
 
 #[test]
@@ -69,11 +77,15 @@ fn neutral_grains_stay_at_rest_and_a_resting_bed_does_not_drift() {
     println!("neutral grains: largest speed after 50 steps {speed:.1e} m/s");
     assert!(speed < 1e-10);
 
-    // columns of touching disks on the floor of a closed box
-    let radius = 0.03;
-    let centres: Vec<[f64; 2]> = (0..50).map(|k| [0.1 + 0.1 * (k % 10) as f64 - 0.05, radius * (1 + 2 * (k / 10)) as f64]).collect();
+    // hexagonal layers of 10 and 9 disks from wall to wall on the floor of a closed box
+    let radius = 0.05 * (1.0 - 1e-9);
+    let layer = |k: usize| if k < 10 { (0, k) } else if k < 19 { (1, k - 10) } else { (2, k - 19) };
+    let centres: Vec<[f64; 2]> = (0..29)
+        .map(layer)
+        .map(|(row, k)| [0.05 + 0.1 * k as f64 + 0.05 * (row % 2) as f64, 0.05 * (1.0 + 3.0_f64.sqrt() * row as f64)])
+        .collect();
     let bed = scene(Some(fluid(1000.0, 1.0, GRAVITY, lower, upper, [8, 8])), Some(engine), 1e-2, 1000);
-    let grains = disks(&centres, &[radius; 50], 2500.0);
+    let grains = disks(&centres, &[radius; 29], 2500.0);
     let mut coupling = couple(bed, &grains);
     let mut passes = 0;
     for step in 1..=1000 {
