@@ -30,7 +30,7 @@ use crate::error::Error;
 use crate::field::Field;
 use crate::header::{FieldHeader, check_sum};
 use crate::liveness::Board;
-use crate::runspace::preflight;
+use crate::runspace::{making_files, preflight};
 use crate::services::{
     End, Fields, Messages, culprit, delivered, event_service, field_service, loaning,
     message_publisher, message_service, opening, patience, sending, service_name,
@@ -78,6 +78,7 @@ impl<S: Backend> Link<S> {
         membership: Box<dyn Any>,
     ) -> Result<Link<S>, Error> {
         set_log_level(LogLevel::Warn);
+        let _guard = making_files();
         let name = format!("{}-{}", end.me, end.link);
         let node = NodeBuilder::new()
             .name(&NodeName::new(&name).map_err(|e| opening(&name, e))?)
@@ -257,6 +258,8 @@ impl<S: Backend> Channel for Link<S> {
     }
 
     fn send_message(&mut self, header: FieldHeader, bytes: &[u8]) -> Result<bool, Error> {
+        // The first one makes the connection.
+        let _guard = making_files();
         let mut sample = self
             .messages_out
             .loan_slice_uninit(bytes.len())
@@ -284,10 +287,12 @@ impl<S: Backend> Channel for Link<S> {
     }
 
     fn loan_field(&mut self, field: Field, header: FieldHeader) -> Result<Box<dyn Loan>, Error> {
+        let guard = making_files();
         let publisher = self.publisher(field, header.count as usize)?;
         let mut sample = publisher
             .loan_slice_uninit(header.count as usize)
             .map_err(|e| loaning(field.name(), e))?;
+        drop(guard);
         *sample.user_header_mut() = header;
         let sample = sample.write_from_fn(|_| f64::NAN);
         Ok(Box::new(LoanedField {
@@ -308,10 +313,12 @@ impl<S: Backend> Channel for Link<S> {
         if self.check {
             header.check = check_sum(values);
         }
+        let guard = making_files();
         let publisher = self.publisher(field, values.len())?;
         let mut sample = publisher
             .loan_slice_uninit(values.len())
             .map_err(|e| loaning(field.name(), e))?;
+        drop(guard);
         *sample.user_header_mut() = header;
         let receivers = sample.write_from_slice(values).send();
         delivered(field.name(), header.step, &self.end, &self.board, receivers)

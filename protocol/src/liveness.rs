@@ -18,6 +18,7 @@ use rustix::process::{Pid, PidfdFlags, pidfd_open};
 
 use crate::error::Error;
 use crate::members::{self, Member};
+use crate::process;
 use crate::runspace;
 
 /// How long a busy main thread may take to notice a loss.
@@ -212,6 +213,16 @@ impl Drop for Watch {
     }
 }
 
+/// What ended a wait of the watching thread.
+enum Seen {
+    /// The watch is over.
+    Stop,
+    /// This process was told to end by a signal.
+    Told,
+    /// These seats' processes ended; none: the seats changed, or time passed.
+    Ended(Vec<String>),
+}
+
 /// State of the watching thread.
 struct Watcher {
     id: String,
@@ -226,39 +237,57 @@ struct Watcher {
 impl Watcher {
     fn run(mut self, stop: &OwnedFd) {
         loop {
-            let ended = {
-                let mut fds = vec![
-                    PollFd::new(stop, PollFlags::IN),
-                    PollFd::new(&self.changes, PollFlags::IN),
-                ];
-                fds.extend(
-                    self.known
-                        .values()
-                        .map(|(_, pidfd)| PollFd::new(pidfd, PollFlags::IN)),
-                );
-                let left = self.lost_at.map(|at| GRACE.saturating_sub(at.elapsed()));
-                let timeout = left.and_then(|left| Timespec::try_from(left).ok());
-                if poll(&mut fds, timeout.as_ref()).is_err() {
-                    continue;
-                }
-                if !fds[0].revents().is_empty() {
-                    return;
-                }
-                let ready = |(fd, name): (&PollFd<'_>, &String)| {
-                    (!fd.revents().is_empty()).then(|| name.clone())
-                };
-                fds[2..]
-                    .iter()
-                    .zip(self.known.keys())
-                    .filter_map(ready)
-                    .collect::<Vec<_>>()
-            };
-            for seat in ended {
-                self.ended(&seat);
+            match self.wait(stop) {
+                Seen::Stop => return,
+                Seen::Told => self.end(process::told_code()),
+                Seen::Ended(seats) => seats.iter().for_each(|seat| self.ended(seat)),
             }
             self.rescan();
             self.enforce();
         }
+    }
+
+    /// Block until something happens, or until a loss that nobody noticed must be enforced.
+    fn wait(&self, stop: &OwnedFd) -> Seen {
+        // Without a signal to heed, the second place is taken by a descriptor that is there anyway.
+        let told = process::told().unwrap_or(stop.as_fd());
+        let mut fds = vec![
+            PollFd::new(stop, PollFlags::IN),
+            PollFd::new(&told, PollFlags::IN),
+            PollFd::new(&self.changes, PollFlags::IN),
+        ];
+        fds.extend(
+            self.known
+                .values()
+                .map(|(_, pidfd)| PollFd::new(pidfd, PollFlags::IN)),
+        );
+        let left = self.lost_at.map(|at| GRACE.saturating_sub(at.elapsed()));
+        let timeout = left.and_then(|left| Timespec::try_from(left).ok());
+        if poll(&mut fds, timeout.as_ref()).is_err() {
+            return Seen::Ended(Vec::new());
+        }
+        let ready: Vec<bool> = fds.iter().map(|fd| !fd.revents().is_empty()).collect();
+        if ready[0] {
+            return Seen::Stop;
+        }
+        if ready[1] {
+            return Seen::Told;
+        }
+        let ended = self
+            .known
+            .keys()
+            .zip(&ready[3..])
+            .filter(|(_, ready)| **ready);
+        Seen::Ended(ended.map(|(seat, _)| seat.clone()).collect())
+    }
+
+    /// Leave the run and end this process.
+    fn end(&self, code: i32) -> ! {
+        let _nothing_new = runspace::stop_making_files();
+        runspace::leave(&self.id);
+        // SAFETY: ends the process at once; no destructors, because the main thread is in the
+        // middle of something.
+        unsafe { libc::_exit(code) }
     }
 
     /// A process ended; lost if its seat is still taken by it.
@@ -349,10 +378,7 @@ impl Watcher {
                 awaited: doing,
             };
             tracing::error!("{error}");
-            runspace::leave(&self.id);
-            // SAFETY: ends the process at once; no destructors, because the main thread is in the
-            // middle of something.
-            unsafe { libc::_exit(error.exit_code()) }
+            self.end(error.exit_code());
         }
     }
 }

@@ -7,8 +7,8 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use crate::error::Error;
 use crate::liveness::{Board, OnLoss, Watch};
@@ -221,6 +221,28 @@ impl Leftover {
     pub fn sweep(&self) -> Result<usize, Error> {
         RunSpace::with(self.id.clone(), None).sweep()
     }
+}
+
+/// Held while this process makes files in shared memory: a watching thread that ends the process
+/// takes it first, so that nothing is made after the removal.
+static MAKING_FILES: Mutex<()> = Mutex::new(());
+
+/// Hold it while files are made (ports, first or larger buffers).
+pub(crate) fn making_files() -> MutexGuard<'static, ()> {
+    MAKING_FILES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The same with a limit, for a process that is about to end.
+pub(crate) fn stop_making_files() -> Option<MutexGuard<'static, ()>> {
+    const ATTEMPTS: u32 = 100;
+    for _ in 0..ATTEMPTS {
+        match MAKING_FILES.try_lock() {
+            Ok(guard) => return Some(guard),
+            Err(TryLockError::Poisoned(guard)) => return Some(guard.into_inner()),
+            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(10)),
+        }
+    }
+    None
 }
 
 /// Give up all seats of this process; the last one out removes the run.

@@ -396,3 +396,25 @@ fn a_full_shared_memory_is_reported_with_exit_code_4() {
     assert!(text.contains("--shm-size"), "{text}");
     drop(fluid);
 }
+
+#[test]
+fn a_process_that_is_told_to_end_leaves_nothing_even_when_alone() {
+    let signals = [
+        (rustix::process::Signal::INT, 130),
+        (rustix::process::Signal::TERM, 143),
+        (rustix::process::Signal::HUP, 129),
+    ];
+    for (told, code) in signals {
+        // Started by hand: a name of its own, no orchestrator.
+        let id = format!("hand{}s{code}", std::process::id());
+        let engine = start("fluid", &[("SILLAGE_RUN".to_owned(), id.clone())], "");
+        let began = Instant::now();
+        while files_of(&id).len() < 20 {
+            assert!(began.elapsed() < Duration::from_secs(10));
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        signal(&engine, told);
+        assert_eq!(end(engine, Duration::from_secs(2)).0, Some(code));
+        wait_until_gone(&id);
+    }
+}
