@@ -10,7 +10,8 @@ use crate::law::{normal_impulse, tangential_impulse};
 /// Over-relaxation of production sweeps.
 pub const RELAXATION: f64 = 1.5;
 
-/// One sweep over all contacts; returns Σ (ΔR)² W, the size of what it changed \[J\].
+/// One sweep over all contacts; returns Σ −ΔR·U with the speeds before each visit, which is
+/// Σ (ΔR)² W where no bound acts and ω = 1: the size of what it changed \[J\].
 pub fn sweep(system: &mut System, relaxation: f64) -> f64 {
     if system.has_friction() {
         let (grain, wall) = (system.friction[0], system.friction[1]);
@@ -68,24 +69,24 @@ fn visit_smooth(bodies: &mut [Body], contact: &mut Contact, relaxation: f64) -> 
         two.velocity[0] - two.inverse_mass * x,
         two.velocity[1] - two.inverse_mass * y,
     ];
-    change * change / contact.normal_mass
+    -change * speed
 }
 
 /// Solve one contact with friction; for disks the normal impulse does not change u_t.
 #[inline(always)]
 fn visit_rough(bodies: &mut [Body], contact: &mut Contact, friction: f64, relaxation: f64) -> f64 {
-    let one = &bodies[contact.first as usize];
-    let two = &bodies[contact.second as usize];
-    let [normal_speed, tangential_speed] = relative_speed(one, two, contact);
+    let one = bodies[contact.first as usize];
+    let two = bodies[contact.second as usize];
+    let speed = relative_speed(&one, &two, contact);
     let normal = normal_impulse(
         contact.normal_impulse,
-        normal_speed,
+        speed[0],
         contact.normal_mass,
         relaxation,
     );
     let tangential = tangential_impulse(
         contact.tangential_impulse,
-        tangential_speed,
+        speed[1],
         contact.tangential_mass,
         friction * normal,
         relaxation,
@@ -96,6 +97,8 @@ fn visit_rough(bodies: &mut [Body], contact: &mut Contact, friction: f64, relaxa
     ];
     contact.normal_impulse = normal;
     contact.tangential_impulse = tangential;
-    push(bodies, contact, change);
-    change[0] * change[0] / contact.normal_mass + change[1] * change[1] / contact.tangential_mass
+    if change != [0.0; 2] {
+        push(bodies, contact, change);
+    }
+    -(change[0] * speed[0] + change[1] * speed[1])
 }
