@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 
 use nix::sys::signal::{Signal, killpg};
-use nix::unistd::Pid;
+use nix::unistd::{Pid, SysconfVar, sysconf};
 use protocol::runspace::RunSpace;
 
 use crate::error::{Error, exit_code};
@@ -25,6 +25,8 @@ pub struct Process {
     pub ended: Option<ExitStatus>,
     /// Was it asked to end by a signal of ours?
     pub signalled: bool,
+    /// CPU time it has used \[s\].
+    pub cpu: f64,
     child: Child,
 }
 
@@ -79,6 +81,7 @@ fn start(
         log,
         ended: None,
         signalled: false,
+        cpu: 0.0,
         child,
     })
 }
@@ -132,6 +135,8 @@ impl Process {
     /// Look whether it has ended, and reap it.
     pub fn poll(&mut self) {
         if self.ended.is_none() {
+            // Also of a process that has ended, until it is reaped below.
+            self.cpu = cpu_seconds(self.id).unwrap_or(self.cpu);
             // An error here means that somebody else reaped it: it has ended all the same.
             self.ended = match self.child.try_wait() {
                 Ok(status) => status,
@@ -190,6 +195,15 @@ impl Process {
             .map(|line| line.to_string())
             .collect()
     }
+}
+
+/// User and system time of a process \[s\], from fields 14 and 15 of /proc/PID/stat.
+fn cpu_seconds(id: u32) -> Option<f64> {
+    let stat = std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
+    let mut fields = stat.rsplit_once(')')?.1.split_whitespace().skip(11);
+    let ticks = fields.next()?.parse::<f64>().ok()? + fields.next()?.parse::<f64>().ok()?;
+    let per_second = sysconf(SysconfVar::CLK_TCK).ok()??;
+    Some(ticks / per_second as f64)
 }
 
 /// End processes at once and reap them.

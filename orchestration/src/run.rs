@@ -1,5 +1,6 @@
 //! `sillage run`: from a scene to a run folder.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
@@ -41,8 +42,9 @@ pub fn run(scene: &Scene, out: Option<&Path>) -> Result<Outcome, Error> {
     eprintln!("{} → {}", scene.name, path.display());
 
     let writer = Writer::start(folder);
-    let verdict = follow(scene, &path, &writer, interrupts);
-    let (mut folder, written) = writer.finish()?;
+    let mut cpu = BTreeMap::new();
+    let verdict = follow(scene, &path, &writer, interrupts, &mut cpu);
+    let (folder, written) = writer.finish()?;
     let verdict = match (verdict, written) {
         (Ok(verdict), Ok(())) => verdict,
         (
@@ -72,9 +74,9 @@ pub fn run(scene: &Scene, out: Option<&Path>) -> Result<Outcome, Error> {
         code,
         why,
         wall: begun.elapsed().as_secs_f64(),
+        cpu,
     };
     let document = report::document(scene, &folder, Some(&ending));
-    folder.engines.clear();
     report::write(&path, &document)?;
     Ok(Outcome {
         folder: path,
@@ -89,6 +91,7 @@ fn follow(
     path: &Path,
     writer: &Writer,
     interrupts: Interrupts,
+    cpu: &mut BTreeMap<String, f64>,
 ) -> Result<Verdict, Error> {
     let runspace = RunSpace::create().map_err(transport)?;
     let monitor = MonitorReceiver::create(&runspace).map_err(transport)?;
@@ -102,6 +105,12 @@ fn follow(
         progress: Progress::new(scene.coupler.end_time),
     };
     let verdict = watch.follow();
+    cpu.extend(
+        watch
+            .processes
+            .iter()
+            .map(|process| (process.seat.clone(), process.cpu)),
+    );
     if verdict.code != exit_code::OK && verdict.code != exit_code::INTERRUPTED {
         show_last_words(&watch.processes);
     }

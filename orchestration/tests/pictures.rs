@@ -156,6 +156,7 @@ fn a_run_folder_holds_everything_that_is_promised() {
         code: 0,
         why: None,
         wall: 1.5,
+        cpu: Default::default(),
     };
     report::write(&path, &report::document(&scene, &folder, Some(&ending))).expect("written");
     for file in [

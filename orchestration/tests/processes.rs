@@ -302,6 +302,23 @@ fn a_second_interruption_kills() {
     assert_eq!(shared_memory_of(&id), Vec::<String>::new());
 }
 
+#[test]
+fn a_silent_engine_ends_the_run_at_its_time_limit() {
+    let mut arguments = small_cloud(100.0);
+    arguments.extend(["--set".to_string(), "limits.step=1.5".to_string()]);
+    let mut run = Run::start(&arguments);
+    run.wait_for_steps(3);
+    let (children, id) = run.children();
+    kill(Pid::from_raw(children["sillage-particl"]), Signal::SIGSTOP).expect("stopped");
+    let (code, words, elapsed, _folder) = run.finish();
+    println!("exit code {code:?} after {elapsed:.2?}\n{words}");
+    assert_eq!(code, Some(6));
+    assert!(words.contains("the particles did not send"), "{words}");
+    assert!(elapsed < Duration::from_millis(1500) + LEAVING_MAX);
+    assert!(children.values().all(|&pid| !is_alive(pid)));
+    assert_eq!(shared_memory_of(&id), Vec::<String>::new());
+}
+
 /// Columns of steps.csv that are results and not times.
 fn results(folder: &Path) -> Vec<Vec<String>> {
     let text = std::fs::read_to_string(folder.join("steps.csv")).expect("steps.csv");

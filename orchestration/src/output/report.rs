@@ -1,5 +1,6 @@
 //! `run.json`: what was run, by what, on what, at which cost, and how it ended.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -20,6 +21,8 @@ pub struct Ending {
     pub why: Option<String>,
     /// Wall time of the whole run, start of processes included \[s\].
     pub wall: f64,
+    /// CPU time of each process \[s\].
+    pub cpu: BTreeMap<String, f64>,
 }
 
 /// Versions that matter for a result.
@@ -64,6 +67,7 @@ fn cost(summary: &Summary, ending: Option<&Ending>) -> Value {
     let mut cost = json!(summary.sums);
     if let Some(ending) = ending {
         cost["wall_total"] = json!(ending.wall);
+        cost["cpu_process"] = json!(ending.cpu);
     }
     cost
 }
