@@ -16,11 +16,13 @@
 //! | `delassus`, `law` | the operator, and the law of one contact |
 //! | `nlgs`, `accelerate`, `solve` | Gauss–Seidel sweeps, faster iterations, and who is used when |
 //! | `sub_steps`, `sub_step`, `correct` | how many, one of them, what is done about overlaps |
+//! | `setup`, `candidate` | what a scene tells, what an advance is asked and answers |
 //! | `step`, `touched` | one `advance`; who touches and who hangs on a wall |
 //! | `state` | checkpoint files |
 //! | `serve` | the only file that knows the protocol |
 
 pub mod accelerate;
+pub mod candidate;
 pub mod contact;
 pub mod correct;
 pub mod delassus;
@@ -30,6 +32,7 @@ pub mod grains;
 pub mod law;
 pub mod nlgs;
 pub mod serve;
+pub mod setup;
 pub mod solve;
 pub mod state;
 pub mod step;
@@ -39,7 +42,9 @@ pub mod touched;
 pub mod vector;
 pub mod walls;
 
+pub use candidate::{ActiveContact, Candidate, Forces, Report, Request};
 pub use error::Error;
 pub use grains::{Grains, State};
-pub use step::{Candidate, ContactEngine, Forces, Report, Request, Setup};
+pub use setup::Setup;
+pub use step::ContactEngine;
 pub use walls::Segment;

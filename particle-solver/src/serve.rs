@@ -7,10 +7,12 @@ use protocol::configure::ParticleScene;
 use protocol::engine::{FluidForces, GrainAnswer, InitialGrains, ParticleEngine};
 use protocol::messages::{Advance, Capability, Diagnostic, Failure, FailureKind};
 
+use crate::candidate::{Candidate, Forces, Request};
 use crate::error::Error;
 use crate::grains::{Grains, State};
+use crate::setup::Setup;
 use crate::state;
-use crate::step::{Candidate, ContactEngine, Forces, Request, Setup};
+use crate::step::ContactEngine;
 use crate::vector::Vector;
 use crate::walls::Segment;
 

@@ -1,111 +1,17 @@
 //! One `advance`: a candidate for the end of the step, from the accepted state, which stays.
 
+use crate::candidate::{ActiveContact, Candidate, Forces, Report, Request};
 use crate::contact::{Candidate as Pair, Impulses};
 use crate::correct::{correct, smaller_radius};
-use crate::delassus::{Loads, Residual};
+use crate::delassus::Loads;
 use crate::error::Error;
 use crate::grains::{Grains, State};
+use crate::setup::{Setup, check_places};
 use crate::sub_step::{Solved, Stage, impulses, solve_contacts};
 use crate::sub_steps::{Scenery, count};
 use crate::touched::Touched;
 use crate::vector::{Vector, add, norm, scale, sub};
-use crate::walls::{Segment, Walls};
-
-/// What a scene tells the engine.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Setup {
-    /// g \[m/s²\].
-    pub gravity: Vector,
-    /// Wall segments.
-    pub walls: Vec<Segment>,
-    /// Period in x and y \[m\].
-    pub period: [Option<f64>; 2],
-    /// μ between grains.
-    pub friction: f64,
-    /// μ between grains and walls.
-    pub wall_friction: f64,
-    /// I/(m r²).
-    pub inertia_factor: f64,
-    /// Contact residual at which a solve stops, when the request names none.
-    pub tolerance: f64,
-    /// Sweeps allowed in a solve.
-    pub sweeps_max: usize,
-    /// Sub-steps allowed in a step.
-    pub sub_steps_max: u32,
-}
-
-/// One call of `advance`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Request {
-    /// Number of the step.
-    pub step: u64,
-    /// Pass within the step, from 0.
-    pub pass: u32,
-    /// Length Δt \[s\].
-    pub dt: f64,
-    /// Sub-steps to use; 0: the engine chooses.
-    pub sub_steps: u32,
-    /// Contact residual at which a solve stops; 0: that of the setup.
-    pub tolerance: f64,
-}
-
-/// What the fluid does to the grains during the step.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Forces<'a> {
-    /// γ \[kg/s\].
-    pub drag: Option<&'a [f64]>,
-    /// q \[N\], interleaved.
-    pub force: Option<&'a [f64]>,
-}
-
-/// Numbers of a candidate.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Report {
-    /// Sub-steps made.
-    pub sub_steps: u32,
-    /// Active contacts at the end.
-    pub contacts: usize,
-    /// Most candidate contacts of a sub-step.
-    pub candidates: usize,
-    /// Sweeps of all solves.
-    pub sweeps: usize,
-    /// Largest residual of a sub-step.
-    pub residual: Residual,
-    /// Largest overlap at the end, of the smaller radius.
-    pub penetration_max: f64,
-    /// Kinetic energy at the end \[J\].
-    pub kinetic_energy: f64,
-    /// Contact problems solved; more than one a sub-step when margins had to grow.
-    pub attempts: usize,
-}
-
-/// An active contact at the end of an advance.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ActiveContact {
-    /// The pair, its normal, and its gap at the start of the last sub-step.
-    pub pair: Pair,
-    /// (normal, tangential) impulse over the length of the sub-step \[N\].
-    pub force: [f64; 2],
-}
-
-/// A computed, not yet accepted step.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Candidate {
-    /// Step and pass it was computed for.
-    pub label: (u64, u32),
-    /// The state at the end.
-    pub state: State,
-    /// (xⁿ⁺¹ − xⁿ)/Δt \[m/s\].
-    pub mean_velocity: Vec<Vector>,
-    /// 0 free, 1 touches, 2 force-connected to a wall or a fixed grain, in any sub-step.
-    pub contact: Vec<u8>,
-    /// Numbers.
-    pub report: Report,
-    /// Active contacts of the last sub-step.
-    pub active: Vec<ActiveContact>,
-    /// Impulses of the first sub-step, where the next pass starts.
-    first_impulses: Impulses,
-}
+use crate::walls::Walls;
 
 /// The engine: what never changes, the accepted state, and a candidate.
 #[derive(Debug, Clone)]
@@ -127,39 +33,6 @@ struct Motion {
     report: Report,
     first_impulses: Option<Impulses>,
     active: Vec<ActiveContact>,
-}
-
-impl Setup {
-    /// Ranges of all numbers.
-    pub fn check(&self) -> Result<(), Error> {
-        let finite = [
-            ("gravity x", self.gravity[0], f64::NEG_INFINITY),
-            ("gravity y", self.gravity[1], f64::NEG_INFINITY),
-            ("friction", self.friction, 0.0),
-            ("wall_friction", self.wall_friction, 0.0),
-        ];
-        for (what, value, least) in finite {
-            if !(value.is_finite() && value >= least) {
-                return Err(Error::Setup(format!(
-                    "{what} is {value}, must be finite and ≥ {least}"
-                )));
-            }
-        }
-        let positive = [
-            ("inertia_factor", Some(self.inertia_factor)),
-            ("tolerance", Some(self.tolerance)),
-            ("sweeps_max", Some(self.sweeps_max as f64)),
-            ("sub_steps_max", Some(f64::from(self.sub_steps_max))),
-            ("period x", self.period[0]),
-            ("period y", self.period[1]),
-        ];
-        for (what, value) in positive {
-            if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
-                return Err(Error::Setup(format!("{what} is {value}, must be positive")));
-            }
-        }
-        Ok(())
-    }
 }
 
 impl ContactEngine {
@@ -453,29 +326,6 @@ impl ContactEngine {
         }
         Ok(())
     }
-}
-
-/// No grain wider than the period or inside a wall.
-fn check_places(setup: &Setup, grains: &Grains, state: &State, walls: &Walls) -> Result<(), Error> {
-    for grain in 0..grains.count() {
-        let (position, radius) = (state.position[grain], grains.radius[grain]);
-        for length in setup.period.into_iter().flatten() {
-            if 2.0 * radius > length {
-                return Err(Error::Setup(format!(
-                    "radius {radius} of grain {grain} is more than half the period {length}"
-                )));
-            }
-        }
-        if let Some((wall, depth)) = walls
-            .behind(position, radius)
-            .filter(|_| !grains.fixed[grain])
-        {
-            return Err(Error::Setup(format!(
-                "centre of grain {grain} lies {depth:.3e} m behind wall {wall}"
-            )));
-        }
-    }
-    Ok(())
 }
 
 fn not_converged(solved: &Solved, stage: &Stage<'_>, sub_step: u32, sub_steps: u32) -> Error {

@@ -457,3 +457,61 @@ fn unusable_input_is_refused_with_its_place() {
             .is_err()
     );
 }
+
+#[test]
+fn no_grains_and_only_fixed_grains_are_scenes_too() {
+    let setup = Setup {
+        gravity: [0.0, -G],
+        walls: box_walls(4.0, 4.0),
+        ..empty()
+    };
+    let mut nobody = engine(setup.clone(), &[]);
+    let choose = Request {
+        sub_steps: 0,
+        ..request(1, 1.0)
+    };
+    assert!(step(&mut nobody, &choose).contact.is_empty());
+    let disks = [disk(1.0, 1.0, 1.0), disk(1.5, 1.0, 1.0).moving(3.0, 0.0)];
+    let mut fixed = engine_with_fixed(setup, &disks, &[0, 1]);
+    let before = fixed.accepted().position.clone();
+    let candidate = step(
+        &mut fixed,
+        &Request {
+            sub_steps: 0,
+            ..request(1, 1.0)
+        },
+    );
+    println!("{:?} {:?}", candidate.report, candidate.contact);
+    assert_eq!(
+        (candidate.contact, fixed.accepted().position.clone()),
+        (vec![2, 2], before)
+    );
+}
+
+#[test]
+fn a_grain_rests_on_a_fixed_one_and_a_given_number_of_sub_steps_is_used() {
+    let setup = Setup {
+        gravity: [0.0, -G],
+        tolerance: 1e-10,
+        ..empty()
+    };
+    let disks = [disk(0.0, 0.0, 1.0), disk(0.0, 2.0, 1.0).of_mass(3.0)];
+    let mut engine = engine_with_fixed(setup, &disks, &[0]);
+    let candidate = step(
+        &mut engine,
+        &Request {
+            sub_steps: 7,
+            ..request(1, 0.1)
+        },
+    );
+    println!(
+        "{:?}, force {:?}",
+        candidate.report, candidate.active[0].force
+    );
+    assert_eq!(
+        (candidate.report.sub_steps, candidate.contact),
+        (7, vec![2, 2])
+    );
+    assert!((candidate.active[0].force[0] - 3.0 * G).abs() < 1e-7);
+    assert_eq!(candidate.mean_velocity[0], [0.0, 0.0]);
+}
