@@ -17,7 +17,7 @@ use crate::transfer::{Placement, Transfer};
 const LUMPED_RATIO_MAX: f64 = 0.25;
 
 /// Contact residual allowed, of the tolerance of the passes.
-const CONTACT_SHARE: f64 = 0.1;
+const CONTACT_SHARE: f64 = 0.01;
 
 /// The accepted grains. Vectors are interleaved.
 #[derive(Debug, Clone, Default)]

@@ -259,13 +259,12 @@ impl Coupling {
                 1 | 2 => outcome.defect.of_grains[grain] > WRONG * tolerance,
                 _ => true,
             };
-            self.raise_lambda(&mut iteration.model, |lambda, grain| {
-                let suspect = if iteration.raised == 1 {
-                    lambda < 0.5
-                } else {
-                    contact[grain] >= TOUCHES || lambda < 0.5
-                };
-                suspect && wrong(grain)
+            let first = iteration.raised == 1;
+            self.change_lambda(&mut iteration.model, |lambda, grain| {
+                let free = contact[grain] < TOUCHES;
+                let suspect = lambda < 0.5 || (!first && !free);
+                let better = if first && free { 1.0 } else { 0.5 };
+                (suspect && wrong(grain)).then_some(better)
             })
         } else {
             false
@@ -295,7 +294,8 @@ impl Coupling {
 
     /// The first pass with held grains (λ = 0 is right or wrong at once), then any lack of progress.
     fn does_not_contract(&self, iteration: &Iteration, outcome: &Outcome) -> bool {
-        let movable_held = |(grain, &lambda): (usize, &f64)| lambda == 0.0 && !self.grains.fixed[grain];
+        let movable_held =
+            |(grain, &lambda): (usize, &f64)| lambda == 0.0 && !self.grains.fixed[grain];
         let held = iteration.model.lambda.iter().enumerate().any(movable_held);
         let first = iteration.raised == 0 && held;
         let grows = outcome.defect.relative > GROWTH_MAX * iteration.smallest;
@@ -370,13 +370,18 @@ impl Coupling {
         }
     }
 
-    /// λ = ½ for the grains chosen; says whether any changed.
-    fn raise_lambda(&self, model: &mut Model, chosen: impl Fn(f64, usize) -> bool) -> bool {
+    /// A new λ for the grains chosen; says whether any changed.
+    fn change_lambda(&self, model: &mut Model, better: impl Fn(f64, usize) -> Option<f64>) -> bool {
         let mut changed = false;
-        for (grain, lambda) in model.lambda.iter_mut().enumerate() {
-            if chosen(*lambda, grain) && !self.grains.fixed[grain] && *lambda != 0.5 {
-                *lambda = 0.5;
-                changed = true;
+        for (grain, lambda) in model
+            .lambda
+            .iter_mut()
+            .enumerate()
+            .filter(|&(i, _)| !self.grains.fixed[i])
+        {
+            if let Some(value) = better(*lambda, grain) {
+                changed |= *lambda != value;
+                *lambda = value;
             }
         }
         changed
