@@ -53,7 +53,8 @@ fn check(args: &CheckArgs) -> Result<(), Error> {
         let document = json!({ "ok": true, "scene": scene.name, "grains": grains, "warnings": scene.warnings });
         println!("{document:#}");
     } else {
-        println!("{}: ok, {grains} grains", path.display());
+        let plural = if grains == 1 { "" } else { "s" };
+        println!("{}: ok, {grains} grain{plural}", path.display());
     }
     Ok(())
 }

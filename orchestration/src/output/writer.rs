@@ -1,21 +1,23 @@
 //! Writing beside the run: messages queue up, and a thread writes them, so that a slow disk or a
 //! large picture does not hold the coupler up.
 
-use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::mpsc::{Sender, SyncSender, channel, sync_channel};
 use std::thread::JoinHandle;
 
+use protocol::messages::ToOrchestrator;
 use protocol::monitor::Event;
 
 use super::RunFolder;
 use crate::error::{Error, exit_code};
 
-/// Messages that may wait; a coupler that is far ahead of the disk waits as well, so that memory
-/// stays bounded.
-const QUEUE: usize = 64;
+/// States that may wait to be written; a coupler that is further ahead of the disk waits, so that
+/// memory stays bounded. Steps are small and always queue up.
+const STATES_WAITING: usize = 4;
 
 /// The thread that writes.
 pub struct Writer {
-    queue: SyncSender<Event>,
+    queue: Sender<Event>,
+    places: SyncSender<()>,
     thread: JoinHandle<Outcome>,
 }
 
@@ -25,23 +27,35 @@ type Outcome = (RunFolder, Result<(), Error>);
 impl Writer {
     /// Start writing to a folder.
     pub fn start(mut folder: RunFolder) -> Writer {
-        let (queue, events) = sync_channel::<Event>(QUEUE);
+        let (queue, events) = channel::<Event>();
+        let (places, taken) = sync_channel::<()>(STATES_WAITING);
         let thread = std::thread::spawn(move || {
             let mut outcome = Ok(());
             for event in events {
+                let is_state = is_state(&event);
                 if outcome.is_ok() {
                     outcome = folder.take(event);
+                }
+                if is_state {
+                    let _ = taken.recv();
                 }
             }
             let outcome = outcome.and_then(|()| folder.finish());
             (folder, outcome)
         });
-        Writer { queue, thread }
+        Writer {
+            queue,
+            places,
+            thread,
+        }
     }
 
-    /// Hand a message over.
+    /// Hand a message over; waits only when many states are waiting.
     pub fn take(&self, event: Event) {
-        // The thread ends only after the queue: this cannot fail while it is alive.
+        // The thread ends only after the queue: neither can fail while it is alive.
+        if is_state(&event) {
+            let _ = self.places.send(());
+        }
         let _ = self.queue.send(event);
     }
 
@@ -53,4 +67,8 @@ impl Writer {
             why: "the thread that writes the run folder broke".into(),
         })
     }
+}
+
+fn is_state(event: &Event) -> bool {
+    matches!(event.message, ToOrchestrator::Snapshot { .. })
 }
