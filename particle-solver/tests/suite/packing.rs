@@ -131,7 +131,6 @@ fn a_dry_column_runs_out_as_far_as_columns_do() {
 }
 
 #[test]
-#[ignore = "takes about a minute: cargo test --release -p particle-solver -- --ignored two_thousand"]
 fn two_thousand_disks_collapse_the_same_after_a_checkpoint() {
     let setup = Setup {
         gravity: [0.0, -9.81],
