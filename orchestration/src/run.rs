@@ -36,8 +36,10 @@ pub fn run(scene: &Scene, out: Option<&Path>) -> Result<Outcome, Error> {
         Some(path) => path.to_path_buf(),
         None => fresh_folder(&scene.name)?,
     };
-    clear_previous(&path)?;
-    let folder = RunFolder::create(&path, scene)?;
+    // A folder that cannot be used is a wrong --out, found before anything is computed.
+    let unusable = |error: Error| Error::Usage(error.to_string());
+    clear_previous(&path).map_err(unusable)?;
+    let folder = RunFolder::create(&path, scene).map_err(unusable)?;
     report::write(&path, &report::document(scene, &folder, None))?;
     eprintln!("{} → {}", scene.name, path.display());
 

@@ -141,6 +141,15 @@ fn numbers_out_of_range_are_all_reported_at_once() {
 }
 
 #[test]
+fn meshes_beyond_any_memory_are_refused() {
+    let message = refusal(
+        CLEAR_FLUID,
+        &["fluid.domain.rectangle.cells=[100000, 100000]"],
+    );
+    assert_names(&message, &["rectangle.cells", "at most 1e8 nodes"]);
+}
+
+#[test]
 fn not_finite_numbers_are_refused() {
     for key in ["run.end_time", "fluid.density", "fluid.dynamic_viscosity"] {
         for value in ["nan", "inf"] {
@@ -441,10 +450,12 @@ fn an_unknown_output_field_is_refused() {
 #[test]
 fn the_program_exits_with_2_for_a_bad_scene_and_a_bad_command_line() {
     let sillage = env!("CARGO_BIN_EXE_sillage");
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/one-grain.toml");
     for arguments in [
         &["check", "/no/such/scene.toml"][..],
         &["chekc"],
         &["run"],
+        &["run", scene, "--out", "/proc/no/folder"],
         &[],
     ] {
         let output = Command::new(sillage)

@@ -11,6 +11,9 @@ use super::population_keys::{Grains, Radius};
 use super::problem::Problem;
 use super::read::nearest;
 
+/// Nodes of a rectangle: far beyond what fits into the memory of one machine.
+const NODES_MAX: f64 = 1e8;
+
 /// Collects the problems of a scene.
 pub struct Checker<'a> {
     document: &'a Document,
@@ -180,6 +183,13 @@ impl<'a> Checker<'a> {
         self.corners(key, rectangle.lower, rectangle.upper);
         if rectangle.cells.contains(&0) {
             self.refuse(&format!("{key}.cells"), "must be 1 or more in x and y");
+        }
+        let nodes = rectangle.cells.map(|count| count as f64 + 1.0);
+        if nodes[0] * nodes[1] > NODES_MAX {
+            self.refuse(
+                &format!("{key}.cells"),
+                format!("must make at most {NODES_MAX:e} nodes"),
+            );
         }
         if rectangle
             .grading
