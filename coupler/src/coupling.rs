@@ -16,8 +16,9 @@ use crate::transfer::{Placement, Transfer};
 /// Deposited fields keep the lumped mass up to this ratio of grain diameter to cell size.
 const LUMPED_RATIO_MAX: f64 = 0.25;
 
-/// Contact residual allowed, of the tolerance of the passes.
-const CONTACT_SHARE: f64 = 0.01;
+/// Contact residual wished for, of the tolerance of the passes: errors of all contacts below a grain
+/// add up in it, so a held bed is as still as its contact solve is exact.
+const CONTACT_SHARE: f64 = 0.001;
 
 /// The accepted grains. Vectors are interleaved.
 #[derive(Debug, Clone, Default)]

@@ -261,9 +261,10 @@ impl Coupling {
             };
             let first = iteration.raised == 1;
             self.change_lambda(&mut iteration.model, |lambda, grain| {
-                let free = contact[grain] < TOUCHES;
-                let suspect = lambda < 0.5 || (!first && !free);
-                let better = if first && free { 1.0 } else { 0.5 };
+                let (touches, held) = (contact[grain] >= TOUCHES, contact[grain] >= HELD);
+                let suspect = lambda < 0.5 || (!first && touches);
+                // let go by the wall it may move as one with those it touches
+                let better = if first && !held { 1.0 } else { 0.5 };
                 (suspect && wrong(grain)).then_some(better)
             })
         } else {

@@ -107,6 +107,7 @@ fn unit_costs(criterion: &mut Criterion) {
             friction: [friction; 2],
             inertia_factor: 0.5,
             tolerance: 1e-3,
+            required: 1e-3,
             sweeps_max: 1,
         };
         let mut system = System::assemble(&stage, &loads, &free, &surface, &pairs);

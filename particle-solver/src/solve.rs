@@ -23,6 +23,8 @@ const STALL_SWEEPS: usize = 40;
 const PHASE_SWEEPS: usize = 200;
 /// Relaxation that ends cycles.
 const UNDER_RELAXATION: f64 = 0.7;
+/// Sweeps that a tolerance below the required one may cost.
+const WISH_SWEEPS: usize = 2000;
 /// A residual this many times the best is not worth starting from.
 const FAR_OFF: f64 = 10.0;
 
@@ -33,32 +35,41 @@ pub struct Outcome {
     pub sweeps: usize,
     /// What is left.
     pub residual: Residual,
-    /// Is it within the tolerance?
+    /// Is it within the required tolerance?
     pub converged: bool,
 }
 
 /// The running solve: what was best, and what is allowed.
 struct Run<'a> {
     system: &'a mut System,
-    tolerance: f64,
+    goal: Goal,
     sweeps_max: usize,
     sweeps: usize,
     best: Residual,
     best_impulses: Vec<[f64; 2]>,
 }
 
-/// Solve the contact problem to `tolerance`, starting from `warm` impulses.
-pub fn solve(system: &mut System, warm: &[[f64; 2]], tolerance: f64, sweeps_max: usize) -> Outcome {
+/// When a solve may stop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Goal {
+    /// Residual wished for; given up after a number of sweeps.
+    pub wished: f64,
+    /// Residual without which the solve has failed.
+    pub required: f64,
+}
+
+/// Solve the contact problem, starting from `warm` impulses.
+pub fn solve(system: &mut System, warm: &[[f64; 2]], goal: Goal, sweeps_max: usize) -> Outcome {
     let cold = system.residual();
     let mut run = Run {
         best_impulses: system.impulses(),
         best: cold,
         system,
-        tolerance,
+        goal,
         sweeps_max,
         sweeps: 0,
     };
-    if cold.within(tolerance) {
+    if cold.within(goal.wished) {
         return run.finish();
     }
     if warm.iter().any(|impulse| impulse[0] > 0.0) {
@@ -67,7 +78,7 @@ pub fn solve(system: &mut System, warm: &[[f64; 2]], tolerance: f64, sweeps_max:
             run.restore();
         }
     }
-    if run.best.within(tolerance) {
+    if run.is_enough() {
         return run.finish();
     }
     run.sweep_plainly();
@@ -76,9 +87,9 @@ pub fn solve(system: &mut System, warm: &[[f64; 2]], tolerance: f64, sweeps_max:
     } else {
         usize::MAX
     };
-    while !run.best.within(tolerance) && run.sweeps < sweeps_max {
+    while !run.is_enough() && run.sweeps < sweeps_max {
         run.sweep_with_momentum(phase);
-        if !run.best.within(tolerance) {
+        if !run.is_enough() {
             run.iterate(phase, |system, _| {
                 sweep(system, UNDER_RELAXATION);
             });
@@ -89,6 +100,11 @@ pub fn solve(system: &mut System, warm: &[[f64; 2]], tolerance: f64, sweeps_max:
 }
 
 impl Run<'_> {
+    fn is_enough(&self) -> bool {
+        let gives_up = self.sweeps >= WISH_SWEEPS && self.best.within(self.goal.required);
+        gives_up || self.best.within(self.goal.wished)
+    }
+
     /// Residual now; keeps the impulses when they are the best so far.
     fn note(&mut self) -> bool {
         let residual = self.system.residual();
@@ -121,7 +137,7 @@ impl Run<'_> {
             self.sweeps += 1;
             if done == look || done == limit {
                 self.note();
-                if self.best.within(self.tolerance) {
+                if self.is_enough() {
                     return;
                 }
                 look = done + (done / 3).clamp(1, 50);
@@ -156,7 +172,7 @@ impl Run<'_> {
         self.restore();
         let residual = self.system.residual();
         // Rebuilt velocities differ from swept ones by round-off only.
-        let converged = self.best.within(self.tolerance);
+        let converged = self.best.within(self.goal.required.max(self.goal.wished));
         Outcome {
             sweeps: self.sweeps,
             residual,

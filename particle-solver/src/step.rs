@@ -201,6 +201,7 @@ impl ContactEngine {
             } else {
                 self.setup.tolerance
             },
+            required: self.setup.tolerance,
             sweeps_max: self.setup.sweeps_max,
         }
     }
@@ -332,7 +333,7 @@ fn not_converged(solved: &Solved, stage: &Stage<'_>, sub_step: u32, sub_steps: u
     Error::NotConverged {
         residual: solved.outcome.residual.rms,
         residual_max: solved.outcome.residual.max,
-        tolerance: stage.tolerance,
+        tolerance: stage.tolerance.max(stage.required),
         sweeps: solved.outcome.sweeps,
         sweeps_max: stage.sweeps_max,
         contacts: solved.pairs.len(),

@@ -8,7 +8,7 @@ use crate::contact::{Candidate, Impulses, Margin, candidates};
 use crate::delassus::{Loads, System};
 use crate::error::Error;
 use crate::grains::{Grains, State};
-use crate::solve::{Outcome, solve};
+use crate::solve::{Goal, Outcome, solve};
 use crate::vector::{Vector, dot, norm, sub};
 use crate::walls::Walls;
 
@@ -32,8 +32,10 @@ pub struct Stage<'a> {
     pub friction: [f64; 2],
     /// I/(m r²).
     pub inertia_factor: f64,
-    /// Residual to reach.
+    /// Residual wished for.
     pub tolerance: f64,
+    /// Residual without which a solve has failed.
+    pub required: f64,
     /// Sweeps allowed.
     pub sweeps_max: usize,
 }
@@ -86,7 +88,11 @@ pub fn solve_contacts(
             .as_ref()
             .unwrap_or(&state.impulses)
             .recall(&pairs, loads.dt);
-        let mut outcome = solve(&mut system, &recalled, stage.tolerance, stage.sweeps_max);
+        let goal = Goal {
+            wished: stage.tolerance,
+            required: stage.required,
+        };
+        let mut outcome = solve(&mut system, &recalled, goal, stage.sweeps_max);
         sweeps += outcome.sweeps;
         outcome.sweeps = sweeps;
         let pushed = enlarge(&system, &free, loads.dt, &mut push);

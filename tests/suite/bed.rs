@@ -153,7 +153,8 @@ fn a_uniform_bed_stays_below_minimum_fluidisation_and_lifts_above_it() {
                 if step <= 6 || step % 10 == 0 {
                     println!("| {ratio} | 1e{exponent} | {step} | {last:.4} | {} | {held} |", report.passes);
                 }
-                assert!(report.passes <= 15, "U/U_mf {ratio} a 1e{exponent} step {step}: {} passes", report.passes);
+                let allowed = if step == 1 { 15 } else { 25 };
+                assert!(report.passes <= allowed, "U/U_mf {ratio} a 1e{exponent} step {step}: {} passes", report.passes);
             }
             if ratio < 1.0 {
                 assert!(last.abs() < 5e-3, "the bed creeps: {last}");
