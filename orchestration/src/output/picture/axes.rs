@@ -144,7 +144,7 @@ pub fn scale_bar(canvas: &mut Canvas, view: &View) {
         .find(|length| *length * unit.size <= 0.3 * extent)
         .unwrap_or(0.1 * decade);
     let pixels = length * unit.size * view.scale;
-    let (right, level) = (view.right() - 2.0, view.bottom() + 52.0);
+    let (right, level) = (view.right() - 2.0, view.bottom() + 84.0);
     canvas.line([right - pixels, level], [right, level], 4.0, INK);
     let label = format!("{} {}", number(length), unit.name);
     canvas.text(&label, [right - pixels - 12.0, level], TEXT, Anchor::Right);

@@ -1,5 +1,6 @@
 //! Pixels, and text on them.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Once;
 
@@ -68,7 +69,32 @@ impl Canvas {
 
     /// A straight line, its edges smoothed.
     pub fn line(&mut self, from: [f64; 2], to: [f64; 2], width: f64, colour: Rgb) {
-        let half = 0.5 * width;
+        self.lines(&[(from, to)], width, colour);
+    }
+
+    /// Lines that may meet: where they overlap the ink is not doubled, so a boundary drawn edge by
+    /// edge looks as if drawn in one.
+    pub fn lines(&mut self, segments: &[([f64; 2], [f64; 2])], width: f64, colour: Rgb) {
+        let mut covered: BTreeMap<(i64, i64), f64> = BTreeMap::new();
+        for (from, to) in segments {
+            self.each_covered(*from, *to, 0.5 * width, |x, y, cover| {
+                let most = covered.entry((y, x)).or_default();
+                *most = most.max(cover);
+            });
+        }
+        for ((y, x), cover) in covered {
+            self.blend(x, y, colour, cover);
+        }
+    }
+
+    /// The pixels that a line of this half width covers, and how much of them.
+    fn each_covered(
+        &self,
+        from: [f64; 2],
+        to: [f64; 2],
+        half: f64,
+        mut visit: impl FnMut(i64, i64, f64),
+    ) {
         let low = |axis: usize| (from[axis].min(to[axis]) - half - 1.0).floor() as i64;
         let high = |axis: usize| (from[axis].max(to[axis]) + half + 1.0).ceil() as i64;
         let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
@@ -80,7 +106,7 @@ impl Canvas {
                 let distance = (px - along * dx).hypot(py - along * dy);
                 let cover = (half + 0.5 - distance).clamp(0.0, 1.0);
                 if cover > 0.0 {
-                    self.blend(x, y, colour, cover);
+                    visit(x, y, cover);
                 }
             }
         }

@@ -9,7 +9,7 @@ use super::view::View;
 
 const TITLE: f64 = 70.0;
 const LEFT: f64 = 104.0;
-const BOTTOM: f64 = 84.0;
+const BOTTOM: f64 = 104.0;
 const BAR: f64 = 150.0;
 const GAP: f64 = 36.0;
 
@@ -93,32 +93,23 @@ fn mark(canvas: &mut Canvas, whole: &View, near: &View) {
     canvas.line(corners[1], [near.left, near.bottom()], 1.0, GREY);
 }
 
-/// A square around the grains, when they take less than 45 % of the domain in both directions.
+/// A square around the grains, when it shows them at least twice as large.
 fn near_window(stage: &Stage, state: &State) -> Option<([f64; 2], [f64; 2])> {
     if state.grain_position.is_empty() {
         return None;
     }
     let (low, high) = central_bounds(state);
     let (lower, upper) = stage.window;
-    let share = |axis: usize| (high[axis] - low[axis]) / (upper[axis] - lower[axis]);
-    if share(0) > 0.45 || share(1) > 0.45 {
-        return None;
-    }
     let extent = (high[0] - low[0]).max(high[1] - low[1]);
     let radius = stage.grain_radius.iter().copied().fold(0.0, f64::max);
     // Round sizes change seldom, so that successive pictures can be compared.
-    let side = round_up((1.4 * extent).max(40.0 * radius)).min(upper[1] - lower[1]);
-    if side >= 0.8 * (upper[0] - lower[0]).max(upper[1] - lower[1]) {
+    let side = round_up((1.4 * extent).max(40.0 * radius));
+    if side > 0.5 * (upper[1] - lower[1]) || side > upper[0] - lower[0] {
         return None;
     }
     let start = [0, 1].map(|axis| {
         let start = 0.5 * (low[axis] + high[axis] - side);
-        let last = upper[axis] - side;
-        if last >= lower[axis] {
-            start.clamp(lower[axis], last)
-        } else {
-            0.5 * (lower[axis] + last)
-        }
+        start.clamp(lower[axis], upper[axis] - side)
     });
     Some((start, start.map(|x| x + side)))
 }

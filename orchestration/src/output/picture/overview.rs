@@ -11,7 +11,7 @@ const LABEL: f64 = 44.0;
 const GAP: f64 = 18.0;
 const EDGE: f64 = 28.0;
 const BAR: f64 = 170.0;
-const SCALE: f64 = 50.0;
+const SCALE: f64 = 90.0;
 /// Panels on a sheet.
 pub const PANELS: usize = 8;
 
@@ -103,9 +103,14 @@ fn arrange(count: usize, size: [f64; 2]) -> (usize, f64) {
         let up = (1050.0 - rows as f64 * (LABEL + GAP)) / rows as f64 / size[1];
         across.min(up)
     };
-    let best = (1..=count)
-        .max_by(|a, b| scale_of(*a).total_cmp(&scale_of(*b)))
-        .unwrap_or(1);
+    // Among equals the fewest columns: rows are then as full as they can be.
+    let best = (2..=count).fold(1, |best, columns| {
+        if scale_of(columns) > 1.02 * scale_of(best) {
+            columns
+        } else {
+            best
+        }
+    });
     (best, scale_of(best))
 }
 

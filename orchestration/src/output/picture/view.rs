@@ -54,9 +54,13 @@ impl View {
             self.draw_speed(canvas, stage, state, speed_max);
         }
         self.draw_grains(canvas, stage, state, speed_max);
-        for [a, b] in &stage.outlines {
-            self.draw_segment(canvas, *a, *b, 2.0, INK);
-        }
+        let visible: Vec<_> = stage
+            .outlines
+            .iter()
+            .filter_map(|[a, b]| clip(*a, *b, self.lower, self.upper))
+            .map(|(a, b)| (self.place(a), self.place(b)))
+            .collect();
+        canvas.lines(&visible, 2.0, INK);
     }
 
     /// The window's edge.
@@ -159,13 +163,6 @@ impl View {
                 if pixels > 3.0 { pixels - 0.4 } else { pixels },
                 colour,
             );
-        }
-    }
-
-    /// A segment of the plane, cut at the window's edge.
-    fn draw_segment(&self, canvas: &mut Canvas, a: [f64; 2], b: [f64; 2], width: f64, colour: Rgb) {
-        if let Some((a, b)) = clip(a, b, self.lower, self.upper) {
-            canvas.line(self.place(a), self.place(b), width, colour);
         }
     }
 }
