@@ -35,6 +35,7 @@ pub fn columns(coupling: &Coupling, report: &StepReport, cost: &StepCost) -> Vec
     row.add("third_law_defect", report.budget.third_law_defect);
     row.add("interaction_defect", report.interaction_defect);
     row.add("energy_defect", report.budget.energy_defect);
+    row.add("transfer_loss", report.budget.transfer_loss);
     add_grains(&mut row, coupling);
     add_fluid(&mut row, coupling);
     row.0

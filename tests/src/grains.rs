@@ -26,7 +26,9 @@ pub fn frozen(mut grains: InitialGrains) -> InitialGrains {
 /// A square lattice with its first grain half a spacing from the lower corner.
 pub fn lattice(lower: [f64; 2], spacing: f64, counts: [usize; 2]) -> Vec<[f64; 2]> {
     let place = |index: usize, axis: usize| lower[axis] + (index as f64 + 0.5) * spacing;
-    (0..counts[0] * counts[1]).map(|k| [place(k % counts[0], 0), place(k / counts[0], 1)]).collect()
+    (0..counts[0] * counts[1])
+        .map(|k| [place(k % counts[0], 0), place(k / counts[0], 1)])
+        .collect()
 }
 
 /// Vogel's sunflower: evenly spread points in a disk, without random scatter.
@@ -35,7 +37,10 @@ pub fn sunflower(centre: [f64; 2], radius: f64, count: usize) -> Vec<[f64; 2]> {
     let point = |k: usize| {
         let share = (k as f64 + 0.5) / count as f64;
         let (sine, cosine) = (golden * (k as f64 + 0.5)).sin_cos();
-        [centre[0] + radius * share.sqrt() * cosine, centre[1] + radius * share.sqrt() * sine]
+        [
+            centre[0] + radius * share.sqrt() * cosine,
+            centre[1] + radius * share.sqrt() * sine,
+        ]
     };
     (0..count).map(point).collect()
 }
@@ -51,7 +56,10 @@ impl Noise {
 
     /// The next number.
     pub fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 
 use coupler::coupling::Coupling;
 use protocol::configure::{
-    Boundary, CouplerScene, Diagonals, DragLaw, FluidScene, Geometry, Limits, MeshSource, Nonlinear,
-    ParticleScene, Scheme, TimeScheme, ViscousForm, Wall,
+    Boundary, CouplerScene, Diagonals, DragLaw, FluidScene, Geometry, Limits, MeshSource,
+    Nonlinear, ParticleScene, Scheme, TimeScheme, ViscousForm, Wall,
 };
 use protocol::engine::InitialGrains;
 
@@ -14,14 +14,30 @@ pub mod grains;
 pub mod reference;
 
 /// A rectangle of fluid at rest, closed by no-slip walls, Stokes flow unless changed.
-pub fn fluid(density: f64, viscosity: f64, gravity: [f64; 2], lower: [f64; 2], upper: [f64; 2], cells: [usize; 2]) -> FluidScene {
+pub fn fluid(
+    density: f64,
+    viscosity: f64,
+    gravity: [f64; 2],
+    lower: [f64; 2],
+    upper: [f64; 2],
+    cells: [usize; 2],
+) -> FluidScene {
     let sides = ["left", "right", "bottom", "top"];
     FluidScene {
         density,
         dynamic_viscosity: viscosity,
         gravity,
-        mesh: MeshSource::Rectangle { lower, upper, cells, diagonals: Diagonals::Alternate, grading: [1.0, 1.0] },
-        boundaries: sides.into_iter().map(|side| (side.to_owned(), Boundary::NoSlip)).collect::<BTreeMap<_, _>>(),
+        mesh: MeshSource::Rectangle {
+            lower,
+            upper,
+            cells,
+            diagonals: Diagonals::Alternate,
+            grading: [1.0, 1.0],
+        },
+        boundaries: sides
+            .into_iter()
+            .map(|side| (side.to_owned(), Boundary::NoSlip))
+            .collect::<BTreeMap<_, _>>(),
         convection: false,
         time_scheme: TimeScheme::BackwardEuler,
         nonlinear: Nonlinear::Picard,
@@ -35,7 +51,9 @@ pub fn fluid(density: f64, viscosity: f64, gravity: [f64; 2], lower: [f64; 2], u
 /// Set a condition on some sides.
 pub fn with_boundaries(mut scene: FluidScene, conditions: &[(&str, Boundary)]) -> FluidScene {
     for (side, condition) in conditions {
-        scene.boundaries.insert((*side).to_owned(), condition.clone());
+        scene
+            .boundaries
+            .insert((*side).to_owned(), condition.clone());
     }
     scene
 }
@@ -67,12 +85,25 @@ pub fn particles(gravity: [f64; 2]) -> ParticleScene {
 /// The four walls of a box, grains inside.
 pub fn box_walls(lower: [f64; 2], upper: [f64; 2]) -> Vec<Wall> {
     let corners = [lower, [upper[0], lower[1]], upper, [lower[0], upper[1]]];
-    (0..4).map(|side| Wall { a: corners[side], b: corners[(side + 1) % 4] }).collect()
+    (0..4)
+        .map(|side| Wall {
+            a: corners[side],
+            b: corners[(side + 1) % 4],
+        })
+        .collect()
 }
 
 /// A scene of both, in one pass a step unless contacts ask for more.
-pub fn scene(fluid: Option<FluidScene>, particles: Option<ParticleScene>, coupling_step: f64, steps: usize) -> CouplerScene {
-    let gravity = fluid.as_ref().map(|part| part.gravity).or(particles.as_ref().map(|part| part.gravity));
+pub fn scene(
+    fluid: Option<FluidScene>,
+    particles: Option<ParticleScene>,
+    coupling_step: f64,
+    steps: usize,
+) -> CouplerScene {
+    let gravity = fluid
+        .as_ref()
+        .map(|part| part.gravity)
+        .or(particles.as_ref().map(|part| part.gravity));
     CouplerScene {
         end_time: coupling_step * steps as f64,
         coupling_step,
@@ -81,25 +112,38 @@ pub fn scene(fluid: Option<FluidScene>, particles: Option<ParticleScene>, coupli
         fluid,
         particles,
         grains_file: None,
-        scheme: Scheme::Iterated { tolerance: 1e-3, passes_max: 40 },
+        scheme: Scheme::Iterated {
+            tolerance: 1e-3,
+            passes_max: 40,
+        },
         drag: DragLaw::Dallavalle,
         geometry: Geometry::Disk,
         reaction: true,
         smoothing_length: None,
         output_every: None,
-        limits: Limits { connect: 10.0, configure: 60.0, step: 600.0 },
+        limits: Limits {
+            connect: 10.0,
+            configure: 60.0,
+            step: 600.0,
+        },
     }
 }
 
 /// Start our engines on threads and couple them.
 pub fn couple(scene: CouplerScene, grains: &InitialGrains) -> Coupling {
     let filter = tracing_subscriber::EnvFilter::from_env("SILLAGE_LOG"); // SILLAGE_LOG=coupler=debug shows passes
-    let _ = tracing_subscriber::fmt().with_env_filter(filter).without_time().with_test_writer().try_init();
-    let fluid = scene.fluid.is_some().then(|| protocol::local::spawn_fluid(fluid_solver::serve::Engine::default).expect("a fluid engine"));
-    let particles = scene
-        .particles
-        .is_some()
-        .then(|| protocol::local::spawn_particles(particle_solver::serve::Engine::default).expect("a particle engine"));
+    let _ = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .without_time()
+        .with_test_writer()
+        .try_init();
+    let fluid = scene.fluid.is_some().then(|| {
+        protocol::local::spawn_fluid(fluid_solver::serve::Engine::default).expect("a fluid engine")
+    });
+    let particles = scene.particles.is_some().then(|| {
+        protocol::local::spawn_particles(particle_solver::serve::Engine::default)
+            .expect("a particle engine")
+    });
     Coupling::new(scene, fluid, particles, grains).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -111,5 +155,7 @@ pub fn mean(interleaved: &[f64], axis: usize) -> f64 {
 
 /// Observed order of convergence between consecutive rows of (size, error).
 pub fn orders(rows: &[(f64, f64)]) -> Vec<f64> {
-    rows.windows(2).map(|pair| (pair[0].1 / pair[1].1).ln() / (pair[0].0 / pair[1].0).ln()).collect()
+    rows.windows(2)
+        .map(|pair| (pair[0].1 / pair[1].1).ln() / (pair[0].0 / pair[1].0).ln())
+        .collect()
 }

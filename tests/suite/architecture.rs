@@ -6,13 +6,22 @@ use std::process::Command;
 fn nobody_links_an_engine_and_only_one_file_of_an_engine_names_the_protocol() {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
     let output = Command::new(env!("CARGO"))
-        .args(["metadata", "--format-version", "1", "--no-deps", "--offline"])
+        .args([
+            "metadata",
+            "--format-version",
+            "1",
+            "--no-deps",
+            "--offline",
+        ])
         .current_dir(root)
         .output()
         .expect("cargo metadata");
     let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let packages = metadata["packages"].as_array().expect("packages");
-    let siblings: Vec<&str> = packages.iter().filter_map(|package| package["name"].as_str()).collect();
+    let siblings: Vec<&str> = packages
+        .iter()
+        .filter_map(|package| package["name"].as_str())
+        .collect();
     println!("| package | depends on siblings |");
     for package in packages {
         let name = package["name"].as_str().expect("a name");
@@ -35,7 +44,12 @@ fn nobody_links_an_engine_and_only_one_file_of_an_engine_names_the_protocol() {
     for engine in ["fluid-solver", "particle-solver"] {
         let naming = files_naming_the_protocol(&format!("{root}/{engine}/src"));
         println!("{engine}: {naming:?}");
-        assert!(naming.iter().all(|file| file == "serve.rs" || file == "main.rs"), "{engine}: {naming:?}");
+        assert!(
+            naming
+                .iter()
+                .all(|file| file == "serve.rs" || file == "main.rs"),
+            "{engine}: {naming:?}"
+        );
     }
 }
 
@@ -45,7 +59,12 @@ fn files_naming_the_protocol(folder: &str) -> Vec<String> {
         let path = entry.expect("an entry").path();
         let text = std::fs::read_to_string(&path).unwrap_or_default();
         if text.contains("protocol::") {
-            naming.push(path.file_name().expect("a name").to_string_lossy().into_owned());
+            naming.push(
+                path.file_name()
+                    .expect("a name")
+                    .to_string_lossy()
+                    .into_owned(),
+            );
         }
     }
     naming

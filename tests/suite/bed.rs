@@ -18,13 +18,31 @@ const GRAVITY: [f64; 2] = [0.0, -9.81];
 ///
 /// The fluid moves from the start: switching the flow on within one step would lift any bed by the
 /// impulse that accelerates the fluid, once the step is short.
-fn column(width: f64, height: f64, cells: [usize; 2], speed: f64) -> protocol::configure::FluidScene {
+fn column(
+    width: f64,
+    height: f64,
+    cells: [usize; 2],
+    speed: f64,
+) -> protocol::configure::FluidScene {
     let mut scene = with_uniform_diagonals(with_boundaries(
-        fluid(WATER, VISCOSITY, GRAVITY, [0.0, 0.0], [width, height], cells),
+        fluid(
+            WATER,
+            VISCOSITY,
+            GRAVITY,
+            [0.0, 0.0],
+            [width, height],
+            cells,
+        ),
         &[
             ("left", Boundary::Periodic),
             ("right", Boundary::Periodic),
-            ("bottom", Boundary::Inflow { velocity: [0.0, speed], profile: Profile::Uniform }),
+            (
+                "bottom",
+                Boundary::Inflow {
+                    velocity: [0.0, speed],
+                    profile: Profile::Uniform,
+                },
+            ),
             ("top", Boundary::Open { pressure: 0.0 }),
         ],
     ));
@@ -48,19 +66,33 @@ fn pressure_drop(coupling: &Coupling, height: f64) -> f64 {
 #[test]
 fn the_pressure_drop_of_a_bed_of_frozen_grains_on_a_lattice_is_the_closed_form() {
     println!("| porosity | U_s [m/s] | Δp/L closed form [Pa/m] | relative error |");
-    for row in rows("packed_bed.csv").iter().filter(|row| row[0] == "glass/water 100um" && row[1] == "2") {
+    for row in rows("packed_bed.csv")
+        .iter()
+        .filter(|row| row[0] == "glass/water 100um" && row[1] == "2")
+    {
         let (porosity, speed, expected) = (number(row, 2), number(row, 3), number(row, 5));
         let spacing = RADIUS * (std::f64::consts::PI / (1.0 - porosity)).sqrt();
         let (width, height) = (8.0 * spacing, 32.0 * spacing);
-        let grains = frozen(disks(&lattice([0.0, 0.0], spacing, [8, 32]), &[RADIUS; 256], GLASS));
+        let grains = frozen(disks(
+            &lattice([0.0, 0.0], spacing, [8, 32]),
+            &[RADIUS; 256],
+            GLASS,
+        ));
         let mut engine = particles(GRAVITY);
         engine.period = [Some(width), None];
-        let mut scene = scene(Some(column(width, height, [2, 8], speed)), Some(engine), 1.0, 3);
+        let mut scene = scene(
+            Some(column(width, height, [2, 8], speed)),
+            Some(engine),
+            1.0,
+            3,
+        );
         scene.smoothing_length = Some(0.0);
         scene.scheme = Scheme::Staggered;
         let mut coupling = couple(scene, &grains);
         for _ in 0..20 {
-            coupling.advance(1.0).unwrap_or_else(|error| panic!("{error}"));
+            coupling
+                .advance(1.0)
+                .unwrap_or_else(|error| panic!("{error}"));
         }
         let error = (pressure_drop(&coupling, height) / (expected * height) - 1.0).abs();
         println!("| {porosity} | {speed:.3e} | {expected:.6e} | {error:.1e} |");
@@ -83,10 +115,15 @@ const LAYERS_PER_CELL: usize = 4;
 
 fn touching_column() -> Bed {
     let porosity = 1.0 - std::f64::consts::FRAC_PI_4;
-    let centres: Vec<[f64; 2]> = (0..LAYERS).map(|k| [RADIUS, (2 * k + 1) as f64 * RADIUS]).collect();
+    let centres: Vec<[f64; 2]> = (0..LAYERS)
+        .map(|k| [RADIUS, (2 * k + 1) as f64 * RADIUS])
+        .collect();
     // U_mf = φ w, where the drag at the slip w carries φ V Δρ g
     let shape = Shape::new(Geometry::Disk, RADIUS, 1.0);
-    let water = coupler::drag::Fluid { density: WATER, dynamic_viscosity: VISCOSITY };
+    let water = coupler::drag::Fluid {
+        density: WATER,
+        dynamic_viscosity: VISCOSITY,
+    };
     let carried = porosity * shape.volume * (GLASS - WATER) * 9.81;
     let slip = implicit_slip_speed(DragLaw::Dallavalle, &water, porosity, &shape, 0.0, carried);
     Bed {
@@ -105,7 +142,10 @@ fn bed_scene(bed: &Bed, speed: f64, dt: f64) -> CouplerScene {
     engine.walls = vec![
         wall([-slack, 2.0 * bed.height], [-slack, 0.0]),
         wall([-slack, 0.0], [bed.width + slack, 0.0]),
-        wall([bed.width + slack, 0.0], [bed.width + slack, 2.0 * bed.height]),
+        wall(
+            [bed.width + slack, 0.0],
+            [bed.width + slack, 2.0 * bed.height],
+        ),
     ];
     // the fluid is periodic: both nodes of a row are one, and the porosity is uniform
     let fluid = column(bed.width, bed.height, [1, LAYERS / LAYERS_PER_CELL], speed);
@@ -125,14 +165,25 @@ fn a_bed_held_by_its_floor_has_the_pressure_drop_of_frozen_grains_within_three_s
         let mut held = couple(bed_scene(&bed, speed, dt), &bed.grains);
         for step in 1..=6 {
             still.advance(dt).unwrap_or_else(|error| panic!("{error}"));
-            let report = held.advance(dt).unwrap_or_else(|error| panic!("a 1e{exponent} step {step}: {error}"));
+            let report = held
+                .advance(dt)
+                .unwrap_or_else(|error| panic!("a 1e{exponent} step {step}: {error}"));
             let ratio = pressure_drop(&held, bed.height) / pressure_drop(&still, bed.height);
             let moved = displacement(&held, &bed.grains) / RADIUS;
-            println!("| 1e{exponent} | {step} | {ratio:.5} | {} | {moved:.1e} |", report.passes);
+            println!(
+                "| 1e{exponent} | {step} | {ratio:.5} | {} | {moved:.1e} |",
+                report.passes
+            );
             if step >= 3 {
-                assert!((ratio - 1.0).abs() < 0.01, "a 1e{exponent} step {step}: {ratio}");
+                assert!(
+                    (ratio - 1.0).abs() < 0.01,
+                    "a 1e{exponent} step {step}: {ratio}"
+                );
             }
-            assert!(moved < 1e-3, "a 1e{exponent}: grains moved by {moved} radii");
+            assert!(
+                moved < 1e-3,
+                "a 1e{exponent}: grains moved by {moved} radii"
+            );
         }
     }
 }
@@ -144,17 +195,34 @@ fn a_uniform_bed_stays_below_minimum_fluidisation_and_lifts_above_it() {
     for exponent in [0, 3] {
         for ratio in [0.95, 1.05] {
             let dt = 10_f64.powi(exponent) * bed.grains.mass[0] / bed.drag;
-            let mut coupling = couple(bed_scene(&bed, ratio * bed.minimum_fluidisation, dt), &bed.grains);
+            let mut coupling = couple(
+                bed_scene(&bed, ratio * bed.minimum_fluidisation, dt),
+                &bed.grains,
+            );
             let mut last = 0.0;
             for step in 1..=30 {
-                let report = coupling.advance(dt).unwrap_or_else(|error| panic!("U/U_mf {ratio} a 1e{exponent} step {step}: {error}"));
+                let report = coupling.advance(dt).unwrap_or_else(|error| {
+                    panic!("U/U_mf {ratio} a 1e{exponent} step {step}: {error}")
+                });
                 last = mean(&coupling.grains.velocity, 1) / bed.minimum_fluidisation;
-                let held = coupling.grains.contact.iter().filter(|&&state| state == 2.0).count();
+                let held = coupling
+                    .grains
+                    .contact
+                    .iter()
+                    .filter(|&&state| state == 2.0)
+                    .count();
                 if step <= 6 || step % 10 == 0 {
-                    println!("| {ratio} | 1e{exponent} | {step} | {last:.4} | {} | {held} |", report.passes);
+                    println!(
+                        "| {ratio} | 1e{exponent} | {step} | {last:.4} | {} | {held} |",
+                        report.passes
+                    );
                 }
                 let allowed = if step == 1 { 15 } else { 25 };
-                assert!(report.passes <= allowed, "U/U_mf {ratio} a 1e{exponent} step {step}: {} passes", report.passes);
+                assert!(
+                    report.passes <= allowed,
+                    "U/U_mf {ratio} a 1e{exponent} step {step}: {} passes",
+                    report.passes
+                );
             }
             if ratio < 1.0 {
                 assert!(last.abs() < 5e-3, "the bed creeps: {last}");
@@ -166,5 +234,11 @@ fn a_uniform_bed_stays_below_minimum_fluidisation_and_lifts_above_it() {
 }
 
 fn displacement(coupling: &Coupling, grains: &InitialGrains) -> f64 {
-    coupling.grains.position.iter().zip(&grains.position).map(|(x, start)| (x - start).abs()).fold(0.0, f64::max)
+    coupling
+        .grains
+        .position
+        .iter()
+        .zip(&grains.position)
+        .map(|(x, start)| (x - start).abs())
+        .fold(0.0, f64::max)
 }

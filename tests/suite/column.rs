@@ -39,8 +39,14 @@ fn a_closed_uniform_column_settles_monotonically_as_its_closed_form_at_every_sti
                 let (worst, last, monotone) = settle(porosity, stiffness, ratio);
                 println!("| {porosity} | {stiffness:e} | {ratio:e} | {worst:.1e} | {last:.6} |");
                 worst_of_all = worst_of_all.max(worst);
-                assert!(monotone, "not monotone: φ {porosity} a {stiffness} ratio {ratio}");
-                assert!(worst < 1e-6, "φ {porosity} a {stiffness} ratio {ratio}: {worst}");
+                assert!(
+                    monotone,
+                    "not monotone: φ {porosity} a {stiffness} ratio {ratio}"
+                );
+                assert!(
+                    worst < 1e-6,
+                    "φ {porosity} a {stiffness} ratio {ratio}: {worst}"
+                );
             }
         }
     }
@@ -63,8 +69,20 @@ fn settle(porosity: f64, stiffness: f64, ratio: f64) -> (f64, f64, bool) {
     let gravity = slip_target * drag / (porosity * volume * DENSITY * (ratio - 1.0_f64).abs());
     let slip = slip_target * (ratio - 1.0).signum();
     let fluid = with_uniform_diagonals(with_boundaries(
-        fluid(DENSITY, VISCOSITY, [0.0, -gravity], [0.0, 0.0], [width, ROWS as f64 * width], [1, ROWS]),
-        &[("left", Boundary::Periodic), ("right", Boundary::Periodic), ("bottom", Boundary::Slip), ("top", Boundary::Slip)],
+        fluid(
+            DENSITY,
+            VISCOSITY,
+            [0.0, -gravity],
+            [0.0, 0.0],
+            [width, ROWS as f64 * width],
+            [1, ROWS],
+        ),
+        &[
+            ("left", Boundary::Periodic),
+            ("right", Boundary::Periodic),
+            ("bottom", Boundary::Slip),
+            ("top", Boundary::Slip),
+        ],
     ));
     let mut engine = particles([0.0, -gravity]);
     engine.period = [Some(width), None];
@@ -76,7 +94,9 @@ fn settle(porosity: f64, stiffness: f64, ratio: f64) -> (f64, f64, bool) {
     let tau = porosity * relaxation * (porosity + (1.0 - porosity) / ratio);
     let (mut exact, mut worst, mut monotone, mut before) = (0.0, 0.0_f64, true, 0.0);
     for _ in 0..20 {
-        coupling.advance(dt).unwrap_or_else(|error| panic!("{error}"));
+        coupling
+            .advance(dt)
+            .unwrap_or_else(|error| panic!("{error}"));
         exact = (exact + dt / tau * slip) / (1.0 + dt / tau);
         let count = coupling.grains.count();
         let middle = 2 * (count / 2) + 1;

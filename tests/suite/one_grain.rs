@@ -26,7 +26,11 @@ fn materials() -> Vec<Material> {
         radius: number(row, 2),
         density: number(row, 3),
         viscosity: number(row, 4),
-        geometry: if row[5] == "2" { Geometry::Disk } else { Geometry::Sphere { depth: 1.0 } },
+        geometry: if row[5] == "2" {
+            Geometry::Disk
+        } else {
+            Geometry::Sphere { depth: 1.0 }
+        },
         terminal_speed: number(row, 6),
         relaxation_time: number(row, 9),
     };
@@ -34,11 +38,23 @@ fn materials() -> Vec<Material> {
 }
 
 /// The grain of a material falling at `speed` in a box that it cannot leave within `steps`.
-fn one_way(material: &Material, dt: f64, steps: usize, speed: f64) -> (CouplerScene, InitialGrains) {
+fn one_way(
+    material: &Material,
+    dt: f64,
+    steps: usize,
+    speed: f64,
+) -> (CouplerScene, InitialGrains) {
     let fall = material.terminal_speed.abs() * dt * steps as f64;
     let half = 2.0 * fall + 1000.0 * material.radius;
     let gravity = [0.0, -9.81];
-    let fluid = fluid(material.density, material.viscosity, gravity, [-half, -half], [half, half], [2, 2]);
+    let fluid = fluid(
+        material.density,
+        material.viscosity,
+        gravity,
+        [-half, -half],
+        [half, half],
+        [2, 2],
+    );
     let mut scene = scene(Some(fluid), Some(particles(gravity)), dt, steps);
     scene.reaction = false;
     scene.geometry = material.geometry;
@@ -76,12 +92,17 @@ fn the_steady_slip_of_every_material_is_the_closed_form_for_any_step() {
             let (scene, grains) = one_way(material, dt, steps, start * material.terminal_speed);
             let mut coupling = couple(scene, &grains);
             for _ in 0..steps {
-                coupling.advance(dt).unwrap_or_else(|error| panic!("{error}"));
+                coupling
+                    .advance(dt)
+                    .unwrap_or_else(|error| panic!("{error}"));
             }
             let slip = slip(&coupling);
             let error = (slip.abs() / material.terminal_speed.abs() - 1.0).abs();
             worst = worst.max(error);
-            println!("| {} | {:?} | {ratio:e} | {error:.1e} |", material.name, material.geometry);
+            println!(
+                "| {} | {:?} | {ratio:e} | {error:.1e} |",
+                material.name, material.geometry
+            );
             assert!(error < 1e-8, "{} Δt/τ {ratio}: {error}", material.name);
         }
     }
@@ -91,17 +112,32 @@ fn the_steady_slip_of_every_material_is_the_closed_form_for_any_step() {
 /// Vertical velocity of the grain relative to the fluid around it, which is at rest to round-off.
 fn slip(coupling: &Coupling) -> f64 {
     let transfer = Transfer::new(&coupling.fluid.as_ref().expect("a fluid").mesh, 0.0, 1.0);
-    let middle: Vec<f64> = coupling.grains.position.iter().zip(&coupling.grains.velocity).map(|(x, v)| x - 0.5 * coupling.scene().coupling_step * v).collect();
+    let middle: Vec<f64> = coupling
+        .grains
+        .position
+        .iter()
+        .zip(&coupling.grains.velocity)
+        .map(|(x, v)| x - 0.5 * coupling.scene().coupling_step * v)
+        .collect();
     let placement = transfer.place(&middle).expect("inside");
-    transfer.sample_vector(&placement, &coupling.fluid_state.velocity)[1] - coupling.grains.velocity[1]
+    transfer.sample_vector(&placement, &coupling.fluid_state.velocity)[1]
+        - coupling.grains.velocity[1]
 }
 
 #[test]
 fn the_start_from_rest_is_first_order_in_the_step() {
     let materials = materials();
     println!("| material | t/τ | steps | error of u/u_t | order |");
-    for row in rows("start_up_of_one_grain.csv").iter().filter(|row| row[1] == "2") {
-        let Some(material) = materials.iter().find(|m| m.name == row[0] && m.geometry == Geometry::Disk) else { continue };
+    for row in rows("start_up_of_one_grain.csv")
+        .iter()
+        .filter(|row| row[1] == "2")
+    {
+        let Some(material) = materials
+            .iter()
+            .find(|m| m.name == row[0] && m.geometry == Geometry::Disk)
+        else {
+            continue;
+        };
         let (time, speed) = (number(row, 2), number(row, 3));
         let reached = number(row, 5);
         if !(0.35..0.8).contains(&reached) {
@@ -113,17 +149,32 @@ fn the_start_from_rest_is_first_order_in_the_step() {
             let (scene, grains) = one_way(material, dt, steps, 0.0);
             let mut coupling = couple(scene, &grains);
             for _ in 0..steps {
-                coupling.advance(dt).unwrap_or_else(|error| panic!("{error}"));
+                coupling
+                    .advance(dt)
+                    .unwrap_or_else(|error| panic!("{error}"));
             }
             let found = -coupling.grains.velocity[1];
             table.push((dt, (found - speed).abs() / material.terminal_speed.abs()));
         }
         let orders = orders(&table);
         for (index, (dt, error)) in table.iter().enumerate() {
-            let order = if index == 0 { f64::NAN } else { orders[index - 1] };
-            println!("| {} | {:.2} | {:.0} | {error:.2e} | {order:.2} |", row[0], time / material.relaxation_time, time / dt);
+            let order = if index == 0 {
+                f64::NAN
+            } else {
+                orders[index - 1]
+            };
+            println!(
+                "| {} | {:.2} | {:.0} | {error:.2e} | {order:.2} |",
+                row[0],
+                time / material.relaxation_time,
+                time / dt
+            );
         }
-        assert!(orders.iter().all(|order| (0.9..1.2).contains(order)), "{}: {orders:?}", row[0]);
+        assert!(
+            orders.iter().all(|order| (0.9..1.2).contains(order)),
+            "{}: {orders:?}",
+            row[0]
+        );
         assert!(table[2].1 < 4e-3, "{}: {:?}", row[0], table[2]);
     }
 }
