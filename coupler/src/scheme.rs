@@ -448,9 +448,9 @@ impl Coupling {
 
 /// z = v̄ − λ D q: the model then reproduces this candidate.
 fn explain(model: &mut Model, candidate: &GrainCandidate, force: &[f64]) {
-    for k in 0..force.len() {
+    for (k, force) in force.iter().enumerate() {
         model.free_velocity[k] =
-            candidate.mean_velocity[k] - model.lambda[k / 2] * model.mobility[k / 2] * force[k];
+            candidate.mean_velocity[k] - model.lambda[k / 2] * model.mobility[k / 2] * force;
     }
 }
 

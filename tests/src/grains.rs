@@ -55,7 +55,7 @@ impl Noise {
     }
 
     /// The next number.
-    pub fn next(&mut self) -> f64 {
+    pub fn draw(&mut self) -> f64 {
         self.0 = self
             .0
             .wrapping_mul(6_364_136_223_846_793_005)
@@ -65,6 +65,6 @@ impl Noise {
 
     /// In [−half, half).
     pub fn around(&mut self, half: f64) -> f64 {
-        half * (2.0 * self.next() - 1.0)
+        half * (2.0 * self.draw() - 1.0)
     }
 }
