@@ -1,15 +1,30 @@
 //! The coupler owns time: how long the next step is, and when a state is put out.
+//!
+//! ```text
+//!   nominal    Δt = coupling_step, or adaptive: the fastest grain crosses `courant` cells, in bounds
+//!   failed     Δt ← Δt/2 and the same step again, down to coupling_step/64 (adaptive: step_min)
+//!   accepted   Δt ← min(nominal, 2 Δt) after a failure, min(nominal, 1.2 Δt) when adaptive
+//! ```
+//!
+//! What a step does depends on what was computed and on nothing else: the same scene takes the same
+//! steps.
 
 use protocol::configure::{AdaptiveStep, CouplerScene};
 
-/// A step may grow by this factor over the last one.
+/// An adaptive step may grow by this factor over the last one.
 const GROWTH_MAX: f64 = 1.2;
+/// A step that was halved may grow by this factor over the last one.
+const RECOVERY: f64 = 2.0;
+/// A nominal step may be halved down to this part of it.
+const SMALLEST_PART: f64 = 1.0 / 64.0;
 
 /// Chooses the coupling steps of a run.
 #[derive(Debug, Clone)]
 pub struct Clock {
     end_time: f64,
+    nominal: f64,
     coupling_step: f64,
+    halved: bool,
     adaptive: Option<AdaptiveStep>,
     output_every: Option<f64>,
     next_output: f64,
@@ -20,7 +35,9 @@ impl Clock {
     pub fn new(scene: &CouplerScene) -> Clock {
         Clock {
             end_time: scene.end_time,
+            nominal: scene.coupling_step,
             coupling_step: scene.coupling_step,
+            halved: false,
             adaptive: scene.adaptive,
             output_every: scene.output_every,
             next_output: scene.output_every.unwrap_or(f64::INFINITY),
@@ -40,16 +57,21 @@ impl Clock {
     /// Length of the next step \[s\]: the nominal one, or the one in which the fastest grain crosses
     /// `courant` cells. The last step is cut to end on time.
     pub fn next_step(&mut self, time: f64, speed_max: f64, cell: f64) -> f64 {
-        if let Some(adaptive) = self.adaptive {
-            let wanted = if speed_max > 0.0 {
-                adaptive.courant * cell / speed_max
-            } else {
-                f64::INFINITY
-            };
-            self.coupling_step = wanted
-                .min(GROWTH_MAX * self.coupling_step)
-                .clamp(adaptive.step_min, adaptive.step_max);
-        }
+        self.coupling_step = match self.adaptive {
+            Some(adaptive) => {
+                let wanted = if speed_max > 0.0 {
+                    adaptive.courant * cell / speed_max
+                } else {
+                    f64::INFINITY
+                };
+                wanted
+                    .min(GROWTH_MAX * self.coupling_step)
+                    .clamp(adaptive.step_min, adaptive.step_max)
+            }
+            None if self.halved => self.nominal.min(RECOVERY * self.coupling_step),
+            None => self.nominal,
+        };
+        self.halved &= self.coupling_step < self.nominal;
         let remaining = self.end_time - time;
         if remaining <= self.coupling_step * (1.0 + 1e-9) {
             remaining
@@ -60,16 +82,19 @@ impl Clock {
 
     /// Take a smaller step after one that failed; `None` when that is not allowed any more.
     pub fn retry(&mut self, failed: f64) -> Option<f64> {
-        let adaptive = self.adaptive?;
         let smaller = 0.5 * failed;
+        if smaller < self.step_min() * (1.0 - 1e-9) {
+            return None;
+        }
+        self.halved = true;
         self.coupling_step = smaller;
-        (smaller >= adaptive.step_min).then_some(smaller)
+        Some(smaller)
     }
 
-    /// Smallest step allowed \[s\].
+    /// Smallest step that a failed one may be cut to \[s\].
     pub fn step_min(&self) -> f64 {
         self.adaptive
-            .map_or(self.coupling_step, |adaptive| adaptive.step_min)
+            .map_or(SMALLEST_PART * self.nominal, |adaptive| adaptive.step_min)
     }
 
     /// Is a state due for output at this time? The last state always is.
@@ -85,5 +110,107 @@ impl Clock {
             self.next_output += every;
         }
         due
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protocol::configure::{DragLaw, Geometry, Limits, Scheme};
+
+    fn clock(end_time: f64, coupling_step: f64, adaptive: Option<AdaptiveStep>) -> Clock {
+        Clock::new(&CouplerScene {
+            end_time,
+            coupling_step,
+            adaptive,
+            gravity: [0.0, -9.81],
+            fluid: None,
+            particles: None,
+            grains_file: None,
+            scheme: Scheme::Staggered,
+            drag: DragLaw::Dallavalle,
+            geometry: Geometry::Disk,
+            reaction: true,
+            smoothing_length: None,
+            output_every: Some(0.25),
+            limits: Limits {
+                connect: 1.0,
+                configure: 1.0,
+                step: 1.0,
+            },
+        })
+    }
+
+    /// Steps of a run in which every step that starts in `stiff` fails unless it is below `bound`.
+    fn steps(clock: &mut Clock, stiff: std::ops::Range<f64>, bound: f64) -> Vec<f64> {
+        let (mut time, mut taken) = (0.0, Vec::new());
+        while !clock.is_over(time) {
+            let mut dt = clock.next_step(time, 0.0, f64::INFINITY);
+            while stiff.contains(&time) && dt > bound {
+                dt = clock.retry(dt).expect("above the smallest step");
+            }
+            time += dt;
+            taken.push(dt);
+        }
+        taken
+    }
+
+    #[test]
+    fn a_failed_step_is_halved_and_grows_back_by_two_to_the_nominal_step() {
+        let taken = steps(&mut clock(1.0, 0.125, None), 0.125..0.25, 0.02);
+        println!("{taken:?}");
+        let nominal = 0.125;
+        assert_eq!(taken[0], nominal);
+        assert_eq!(taken[1], nominal / 8.0);
+        assert!(taken.windows(2).all(|pair| pair[1] <= 2.0 * pair[0]));
+        assert_eq!(taken.iter().filter(|&&dt| dt == nominal).count(), 6);
+        assert_eq!(taken.iter().sum::<f64>(), 1.0);
+        let again = steps(&mut clock(1.0, 0.125, None), 0.125..0.25, 0.02);
+        assert_eq!(taken, again);
+    }
+
+    #[test]
+    fn a_step_is_halved_six_times_and_no_further() {
+        let mut clock = clock(1.0, 0.125, None);
+        let mut dt = clock.next_step(0.0, 0.0, 1.0);
+        let mut halvings = 0;
+        while let Some(smaller) = clock.retry(dt) {
+            assert_eq!(smaller, 0.5 * dt);
+            dt = smaller;
+            halvings += 1;
+        }
+        assert_eq!((halvings, dt), (6, 0.125 / 64.0));
+        assert_eq!(clock.step_min(), dt);
+    }
+
+    #[test]
+    fn an_adaptive_step_follows_the_courant_number_within_its_bounds() {
+        let adaptive = AdaptiveStep {
+            step_min: 0.01,
+            step_max: 0.2,
+            courant: 0.5,
+        };
+        let mut clock = clock(10.0, 0.1, Some(adaptive));
+        // courant h / v = 0.05 s
+        assert_eq!(clock.next_step(0.0, 10.0, 1.0), 0.05);
+        // grows by 1.2 at most
+        assert!((clock.next_step(0.05, 0.0, 1.0) - 0.06).abs() < 1e-15);
+        assert_eq!(clock.next_step(0.11, 1e9, 1.0), 0.01);
+        assert_eq!(clock.retry(0.01), None);
+        assert_eq!(clock.retry(0.04), Some(0.02));
+        assert!((clock.next_step(0.12, 0.0, 1.0) - 0.024).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_last_step_ends_on_time_and_states_are_due_once() {
+        let mut clock = clock(1.0, 0.3, None);
+        let (mut time, mut due) = (0.0, Vec::new());
+        while !clock.is_over(time) {
+            time += clock.next_step(time, 0.0, 1.0);
+            due.push(clock.output_due(time));
+        }
+        assert_eq!(time, 1.0);
+        assert_eq!(due, [true, true, true, true]);
+        assert!(!clock.clone().output_due(0.1));
     }
 }

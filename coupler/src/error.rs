@@ -74,9 +74,10 @@ pub enum CouplerError {
         /// The quantity and its place.
         what: String,
     },
-    /// The adaptive step fell below its bound.
+    /// A step failed at the smallest length too.
     #[error(
-        "step {step}: the coupling step fell to {dt:.3e} s, below step_min = {step_min:.3e} s: {why}"
+        "step {step}: needs a coupling step of {dt:.3e} s, below the smallest allowed, {step_min:.3e} s \
+         (coupling_step/64, or step_min when adaptive): {why}"
     )]
     StepTooSmall {
         /// Which step.
