@@ -9,6 +9,7 @@ use protocol::field::Field;
 use protocol::messages::{Diagnostic, FailureKind, Role};
 use protocol::monitor::MonitorSender;
 use protocol::partner::Partner;
+use protocol::process::cpu_seconds;
 use protocol::runspace::RunSpace;
 
 use crate::clock::Clock;
@@ -24,22 +25,30 @@ pub fn run(
     runspace: &RunSpace,
 ) -> Result<(), CouplerError> {
     let mut monitor = MonitorSender::connect(runspace)?;
-    let result = connect(scene, grains, runspace).and_then(|mut coupling| {
-        let result = step_to_the_end(&mut coupling, monitor.as_mut());
-        if !matches!(
-            result,
-            Err(CouplerError::Protocol(
-                Error::PartnerLost { .. } | Error::TimeLimit { .. }
-            ))
-        ) {
-            finish(&mut coupling)?;
-        }
-        result
+    let mut totals = Totals::default();
+    let mut coupling = None;
+    let result = connect(scene, grains, runspace).and_then(|connected| {
+        step_to_the_end(coupling.insert(connected), &mut monitor, &mut totals)
     });
-    if let (Err(error), Some(monitor)) = (&result, &mut monitor) {
-        monitor.stopped(error.exit_code(), &error.to_string())?;
+    // The orchestrator hears how it ended before the engines leave: processes that end on their own
+    // are a sign of trouble to it.
+    match (&result, &mut monitor) {
+        (Ok(()), Some(monitor)) => monitor.finished(totals.named)?,
+        (Err(error), Some(monitor)) => {
+            monitor.stopped(error.exit_code(), &error.to_string(), totals.named)?;
+        }
+        (_, None) => {}
     }
-    result
+    let engine_lost = matches!(
+        result,
+        Err(CouplerError::Protocol(
+            Error::PartnerLost { .. } | Error::TimeLimit { .. }
+        ))
+    );
+    match &mut coupling {
+        Some(coupling) if !engine_lost => result.and(finish(coupling)),
+        _ => result,
+    }
 }
 
 fn connect(
@@ -69,18 +78,19 @@ fn finish(coupling: &mut Coupling) -> Result<(), CouplerError> {
     Ok(())
 }
 
-/// Steps until the scene's end, with a report of each.
-pub fn step_to_the_end(
+/// Steps until the scene's end, with a report of each. When asked to stop it does so after a step,
+/// and its last state is put out.
+fn step_to_the_end(
     coupling: &mut Coupling,
-    mut monitor: Option<&mut MonitorSender>,
+    monitor: &mut Option<MonitorSender>,
+    totals: &mut Totals,
 ) -> Result<(), CouplerError> {
-    let mut clock = Clock::new(&coupling.scene);
-    let mut totals = Totals::default();
+    let mut clock = Clock::new(coupling.scene());
     let cell = coupling
         .fluid
         .as_ref()
         .map_or(f64::INFINITY, coupling::smallest_cell);
-    announce(coupling, &mut monitor)?;
+    announce(coupling, monitor)?;
     while !clock.is_over(coupling.time) {
         let speed = observe::speed_max(&coupling.grains.velocity)
             .max(observe::speed_max(&coupling.fluid_state.velocity));
@@ -90,29 +100,24 @@ pub fn step_to_the_end(
         let cost = begin.stop(coupling);
         totals.add(coupling, &report, &cost);
         let columns = observe::columns(coupling, &report, &cost);
-        match &mut monitor {
+        match monitor {
             Some(monitor) => monitor.step(columns)?,
             None => print_line(&columns),
         }
-        if clock.output_due(coupling.time) {
-            snapshot(coupling, &mut monitor)?;
+        let stop = monitor.as_mut().is_some_and(MonitorSender::stop_requested);
+        if clock.output_due(coupling.time) || stop {
+            snapshot(coupling, monitor)?;
         }
-        if monitor
-            .as_mut()
-            .is_some_and(|monitor| monitor.stop_requested())
-        {
+        if stop && !clock.is_over(coupling.time) {
             return Err(CouplerError::Interrupted {
                 step: coupling.step,
             });
         }
     }
-    match monitor {
-        Some(monitor) => Ok(monitor.finished(totals.diagnostics())?),
-        None => Ok(()),
-    }
+    Ok(())
 }
 
-/// One step; where the scene allows it, a step that does not converge is halved.
+/// One step; a step that fails is tried again with half its length, as far as the clock allows.
 fn step_with_retries(
     coupling: &mut Coupling,
     clock: &mut Clock,
@@ -120,25 +125,29 @@ fn step_with_retries(
 ) -> Result<StepReport, CouplerError> {
     let mut dt = dt;
     loop {
-        match coupling.advance(dt) {
-            Err(error) if may_be_halved(&error) => match clock.retry(dt) {
-                Some(smaller) => {
-                    tracing::warn!(step = coupling.step + 1, dt, smaller, %error, "step halved");
-                    dt = smaller;
-                }
-                None if clock.step_min() < dt => {
-                    let step_min = clock.step_min();
-                    return Err(CouplerError::StepTooSmall {
-                        step: coupling.step + 1,
-                        dt: 0.5 * dt,
-                        step_min,
-                        why: error.to_string(),
-                    });
-                }
-                None => return Err(error),
-            },
+        let error = match coupling.advance(dt) {
+            Err(error) if may_be_halved(&error) => error,
             other => return other,
-        }
+        };
+        let step = coupling.step + 1;
+        let Some(smaller) = clock.retry(dt) else {
+            return Err(no_smaller(error, step, 0.5 * dt, clock.step_min()));
+        };
+        tracing::warn!(step, dt, smaller, %error, "step halved");
+        dt = smaller;
+    }
+}
+
+/// A broken invariant stays one (exit 7); what does not converge ends the run as that (exit 8).
+fn no_smaller(error: CouplerError, step: u64, dt: f64, step_min: f64) -> CouplerError {
+    match error {
+        CouplerError::Porosity { .. } | CouplerError::GrainOutside { .. } => error,
+        error => CouplerError::StepTooSmall {
+            step,
+            dt,
+            step_min,
+            why: error.to_string(),
+        },
     }
 }
 
@@ -154,10 +163,7 @@ fn may_be_halved(error: &CouplerError) -> bool {
     }
 }
 
-fn announce(
-    coupling: &Coupling,
-    monitor: &mut Option<&mut MonitorSender>,
-) -> Result<(), CouplerError> {
+fn announce(coupling: &Coupling, monitor: &mut Option<MonitorSender>) -> Result<(), CouplerError> {
     let Some(sender) = monitor else { return Ok(()) };
     let hellos = coupling.hellos();
     let mesh = coupling.fluid.as_ref().map(|seat| &seat.mesh);
@@ -165,10 +171,7 @@ fn announce(
     snapshot(coupling, monitor)
 }
 
-fn snapshot(
-    coupling: &Coupling,
-    monitor: &mut Option<&mut MonitorSender>,
-) -> Result<(), CouplerError> {
+fn snapshot(coupling: &Coupling, monitor: &mut Option<MonitorSender>) -> Result<(), CouplerError> {
     let Some(monitor) = monitor else {
         return Ok(());
     };
@@ -199,35 +202,51 @@ fn print_line(columns: &[Diagnostic]) {
 struct Meter {
     begin: Instant,
     cpu: f64,
+    waited: f64,
 }
 
 impl Meter {
-    fn start(_: &Coupling) -> Meter {
+    fn start(coupling: &Coupling) -> Meter {
         Meter {
             begin: Instant::now(),
             cpu: cpu_seconds(),
+            waited: waited(coupling),
         }
     }
 
+    /// Engines count from the last accepted step on: passes and failed attempts are in it.
     fn stop(&self, coupling: &Coupling) -> StepCost {
-        let engine = |diagnostics: Option<&Vec<Diagnostic>>| {
+        let of = |diagnostics: Option<&Vec<Diagnostic>>, name: &str| {
             diagnostics
-                .and_then(|list| value(list, "cpu_seconds"))
+                .and_then(|list| value(list, name))
                 .unwrap_or(0.0)
         };
+        let fluid = coupling.fluid.as_ref().map(|seat| &seat.diagnostics);
+        let particles = coupling.particles.as_ref().map(|seat| &seat.diagnostics);
+        let (wall, waited) = (
+            self.begin.elapsed().as_secs_f64(),
+            waited(coupling) - self.waited,
+        );
+        let (wall_fluid, wall_particles) = (of(fluid, WALL), of(particles, WALL));
         StepCost {
-            wall: self.begin.elapsed().as_secs_f64(),
-            cpu_fluid: engine(coupling.fluid.as_ref().map(|seat| &seat.diagnostics)),
-            cpu_particles: engine(coupling.particles.as_ref().map(|seat| &seat.diagnostics)),
+            wall,
+            cpu_fluid: of(fluid, "cpu_seconds"),
+            cpu_particles: of(particles, "cpu_seconds"),
             cpu_coupler: cpu_seconds() - self.cpu,
+            wall_fluid,
+            wall_particles,
+            wall_exchange: waited - wall_fluid - wall_particles,
+            wall_coupler: wall - waited,
         }
     }
 }
 
-/// CPU time of this process so far \[s\].
-fn cpu_seconds() -> f64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+const WALL: &str = "wall_seconds";
+
+/// Wall time waited for the engines so far \[s\].
+fn waited(coupling: &Coupling) -> f64 {
+    coupling.fluid.as_ref().map_or(0.0, |seat| seat.wall)
+        + coupling.particles.as_ref().map_or(0.0, |seat| seat.wall)
 }
 
 /// Sums and worst values over a run.
@@ -262,6 +281,13 @@ impl Totals {
         self.sum("cpu_fluid", cost.cpu_fluid);
         self.sum("cpu_particles", cost.cpu_particles);
         self.sum("cpu_coupler", cost.cpu_coupler);
+        self.sum("wall_fluid", cost.wall_fluid);
+        self.sum("wall_particles", cost.wall_particles);
+        self.sum("wall_exchange", cost.wall_exchange);
+        self.sum("wall_coupler", cost.wall_coupler);
+        let share = (self.get("wall_exchange") + self.get("wall_coupler"))
+            / self.get("seconds_wall").max(f64::MIN_POSITIVE);
+        self.update("coupling_share", share, |_, new| new);
         let seats = [
             (
                 "fluid",
@@ -286,10 +312,11 @@ impl Totals {
         self.worst("third_law_defect_max", report.budget.third_law_defect);
         self.worst("interaction_defect_max", report.interaction_defect);
         self.worst("energy_defect_max", report.budget.energy_defect);
+        self.worst("transfer_loss_max", report.budget.transfer_loss.abs());
         self.worst("passes_max", f64::from(report.passes));
     }
 
-    fn diagnostics(self) -> Vec<Diagnostic> {
-        self.named
+    fn get(&self, name: &str) -> f64 {
+        value(&self.named, name).unwrap_or(0.0)
     }
 }

@@ -54,7 +54,7 @@ pub struct SceneArgs {
     /// Set a key of the scene, e.g. --set run.end_time=0.5 (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<String>,
-    /// Threads each engine may use (default: all cores)
+    /// Threads each engine may use (default: all cores); the built-in particle engine uses one
     #[arg(long, value_name = "N")]
     pub threads: Option<std::num::NonZeroUsize>,
 }

@@ -1,5 +1,7 @@
 //! `sillage`: the command line. Commands live in the library; here they are called.
 
+use std::io::IsTerminal;
+
 use clap::Parser;
 use orchestration::cli::{CheckArgs, Cli, Command, DoctorArgs, PlanArgs, RunArgs};
 use orchestration::error::Error;
@@ -13,6 +15,7 @@ fn main() {
                 .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn")),
         )
         .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none())
         .init();
     let (wants_json, outcome) = match Cli::parse().command {
         Command::Check(args) => (args.json, check(&args)),

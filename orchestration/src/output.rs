@@ -107,11 +107,10 @@ impl RunFolder {
             }
             ToOrchestrator::Step(values) => self.steps.add(&values),
             ToOrchestrator::Snapshot { time, .. } => self.snapshot(time, &event.fields),
-            ToOrchestrator::Finished(totals) => {
+            ToOrchestrator::Finished(totals) | ToOrchestrator::Stopped { totals, .. } => {
                 self.totals = totals;
                 Ok(())
             }
-            ToOrchestrator::Stopped { .. } => Ok(()),
         }
     }
 

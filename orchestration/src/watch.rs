@@ -80,7 +80,7 @@ impl Watch<'_> {
                     ToOrchestrator::Started { .. } => state.started = true,
                     ToOrchestrator::Step(values) => self.progress.step(values),
                     ToOrchestrator::Finished(_) => state.hear(LastWord::Finished),
-                    ToOrchestrator::Stopped { code, why } => {
+                    ToOrchestrator::Stopped { code, why, .. } => {
                         state.hear(LastWord::Stopped {
                             code: *code,
                             why: why.clone(),

@@ -222,6 +222,8 @@ pub enum ToOrchestrator {
         code: i32,
         /// Why.
         why: String,
+        /// Totals up to here.
+        totals: Vec<Diagnostic>,
     },
 }
 

@@ -137,11 +137,12 @@ impl MonitorSender {
         self.goodbye(&ToOrchestrator::Finished(totals))
     }
 
-    /// The run ended early.
-    pub fn stopped(&mut self, code: i32, why: &str) -> Result<(), Error> {
+    /// The run ended early; totals up to here.
+    pub fn stopped(&mut self, code: i32, why: &str, totals: Vec<Diagnostic>) -> Result<(), Error> {
         self.goodbye(&ToOrchestrator::Stopped {
             code,
             why: why.to_owned(),
+            totals,
         })
     }
 

@@ -43,6 +43,12 @@ pub fn enter(seat: &str) -> Result<RunSpace, Error> {
     Ok(runspace)
 }
 
+/// CPU time of this process so far \[s\].
+pub fn cpu_seconds() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
+
 /// Shared memory that every process needs at least, for its messages \[bytes\].
 const SMALLEST: u64 = 4 << 20;
 

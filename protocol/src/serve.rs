@@ -8,7 +8,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::PROTOCOL_VERSION;
 use crate::channel::{Channel, Loan, Wait, seconds};
@@ -23,7 +23,7 @@ use crate::messages::{
     Advance, Capability, Configure, Diagnostic, Done, Failure, FailureKind, Hello, Ready, Role,
     ToCoupler, ToEngine,
 };
-use crate::process;
+use crate::process::{self, cpu_seconds};
 use crate::seats::{FluidSeat, ParticleSeat};
 
 /// How long a broken engine stays to tell why.
@@ -113,6 +113,37 @@ pub(crate) struct Session {
     configured: bool,
     committed: Option<u64>,
     candidate: Option<u64>,
+    cost: Cost,
+}
+
+/// What this process has spent since the last `Commit`.
+struct Cost {
+    /// CPU time of the process then \[s\].
+    cpu_then: f64,
+    /// Wall time inside the engine \[s\].
+    wall: f64,
+}
+
+impl Cost {
+    fn from_now() -> Cost {
+        Cost {
+            cpu_then: cpu_seconds(),
+            wall: 0.0,
+        }
+    }
+
+    /// `cpu_seconds` and `wall_seconds`, where the engine did not report them itself.
+    fn add_to(&self, diagnostics: &mut Vec<Diagnostic>) {
+        for (name, value) in [
+            ("cpu_seconds", cpu_seconds() - self.cpu_then),
+            ("wall_seconds", self.wall),
+        ] {
+            if !diagnostics.iter().any(|own| own.name == name) {
+                let name = name.to_owned();
+                diagnostics.push(Diagnostic { name, value });
+            }
+        }
+    }
 }
 
 impl Session {
@@ -130,6 +161,7 @@ impl Session {
             configured: false,
             committed: None,
             candidate: None,
+            cost: Cost::from_now(),
         }
     }
 
@@ -276,6 +308,7 @@ fn handle<S: Seat>(seat: &mut S, session: &mut Session, message: ToEngine) -> Re
             }
             let ready = seat.configure(configure, session).map_err(fatal)?;
             session.configured = true;
+            session.cost = Cost::from_now();
             session.send(&ToCoupler::Ready(ready))?;
         }
         ToEngine::Advance(request) => advance(seat, session, &request)?,
@@ -285,6 +318,7 @@ fn handle<S: Seat>(seat: &mut S, session: &mut Session, message: ToEngine) -> Re
                     "Commit of step {step} without a candidate for it"
                 )));
             }
+            session.cost = Cost::from_now();
             guarded(|| seat.commit()).map_err(fatal)?;
             (session.committed, session.candidate) = (Some(step), None);
         }
@@ -340,7 +374,11 @@ fn advance<S: Seat>(seat: &mut S, session: &mut Session, request: &Advance) -> R
                 .loan_field(field, session.counts.expect(field, answered).header())?,
         );
     }
-    let diagnostics = guarded(|| seat.advance(request, &inputs, &mut outputs))?;
+    let begin = Instant::now();
+    let result = guarded(|| seat.advance(request, &inputs, &mut outputs));
+    session.cost.wall += begin.elapsed().as_secs_f64();
+    let mut diagnostics = result?;
+    session.cost.add_to(&mut diagnostics);
     for output in outputs {
         output.send()?;
     }

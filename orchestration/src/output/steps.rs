@@ -91,7 +91,7 @@ impl Summary {
                 "wall" | "passes" | "sub_steps" => {
                     *self.sums.entry(name.clone()).or_default() += value
                 }
-                _ if name.starts_with("cpu_") => {
+                _ if name.starts_with("cpu_") || name.starts_with("wall_") => {
                     *self.sums.entry(name.clone()).or_default() += value
                 }
                 "contact_residual" | "penetration_max" => kept(&mut self.worst, larger),
