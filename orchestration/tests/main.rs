@@ -1,5 +1,7 @@
 //! Tests of the orchestrator, in one binary.
 
+mod background;
+mod kills;
 mod pictures;
 mod populations;
 mod processes;
