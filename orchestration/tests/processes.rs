@@ -105,7 +105,11 @@ fn results(folder: &Path) -> Vec<Vec<String>> {
         .map(|line| line.split(',').map(String::from).collect::<Vec<_>>());
     let header = lines.next().expect("a header");
     let kept: Vec<usize> = (0..header.len())
-        .filter(|&column| header[column] != "wall" && !header[column].starts_with("cpu_"))
+        .filter(|&column| {
+            !["wall", "cpu_"]
+                .iter()
+                .any(|time| header[column].starts_with(time))
+        })
         .collect();
     lines
         .map(|row| kept.iter().map(|&column| row[column].clone()).collect())
