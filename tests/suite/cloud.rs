@@ -142,6 +142,31 @@ fn the_first_fall_velocity_of_a_creeping_cloud_converges_to_the_spectral_solutio
 }
 
 #[test]
+fn dense_clouds_fall_faster_by_the_viscosity_of_their_porosity() {
+    // ratio of the fall velocity to that of the dilute limit, symmetric stress with viscosity φμ:
+    // 1 − φ-dependent closed form in the equivalent circle (cloud_in_circle.csv)
+    println!("| c | V/(fR²/μ) at R/6 | over the closed form |");
+    for (solid_fraction, factor) in [(0.02, 1.0023), (0.2, 1.0249), (0.4, 1.0561), (0.6, 1.0961)] {
+        let mut cloud = Cloud::in_tall_box(6).creeping();
+        cloud.solid_fraction = solid_fraction;
+        cloud.gravity *= 0.02 / solid_fraction;
+        let mut scene = cloud.scene(1e-3);
+        scene.particles.as_mut().expect("grains").walls.clear();
+        let dt = scene.coupling_step;
+        let mut grains = cloud.grains();
+        grains.radius.iter_mut().for_each(|radius| *radius *= 0.3); // no contacts
+        let mut coupling = couple(scene, &grains);
+        for _ in 0..4 {
+            advance(&mut coupling, dt);
+        }
+        let speed = -mean(&coupling.grains.velocity, 1) / cloud.speed_unit();
+        let ratio = speed / (0.242_119 * factor);
+        println!("| {solid_fraction} | {speed:.5} | {ratio:.4} |");
+        assert!((ratio - 1.0).abs() < 0.025, "c {solid_fraction}: {ratio}");
+    }
+}
+
+#[test]
 fn a_cloud_of_the_papers_grains_is_stable_in_one_pass_for_any_step() {
     println!("| Δt* | a | t* | V | passes | energy defect | third law |");
     for (step, count) in [(0.05, 20), (0.25, 20), (1.0, 20), (4.0, 6), (20.0, 4)] {

@@ -181,8 +181,8 @@ fn a_heavy_layer_above_grows_at_the_rate_of_two_viscous_layers() {
     let expected = number(&row, 6);
     let mut errors = Vec::new();
     println!("| h [mm] | growth [1/s] | theory | error |");
-    for cells in [20, 40] {
-        let growth = rayleigh_taylor(cells);
+    for (cells, dt) in [(20, 2.5e-3), (40, 2.5e-3), (40, 1e-2), (80, 1e-2)] {
+        let growth = rayleigh_taylor(cells, dt);
         let error = growth / expected - 1.0;
         println!(
             "| {} | {growth:.3} | {expected:.3} | {:.1} % |",
@@ -198,7 +198,7 @@ fn a_heavy_layer_above_grows_at_the_rate_of_two_viscous_layers() {
 }
 
 /// Growth rate of cos(kx) on the lower face of a layer of c = 0.1, wavelength and both depths 10 mm.
-fn rayleigh_taylor(cells: usize) -> f64 {
+fn rayleigh_taylor(cells: usize, dt: f64) -> f64 {
     let (length, radius, solid_fraction) = (0.01, 5e-5, 0.1);
     let wavenumber = 2.0 * std::f64::consts::PI / length;
     let fluid = with_boundaries(
@@ -236,14 +236,14 @@ fn rayleigh_taylor(cells: usize) -> f64 {
         .iter_mut()
         .for_each(|volume| *volume *= factor);
     grains.mass.iter_mut().for_each(|mass| *mass *= factor);
-    let dt = 5e-3;
     let mut coupling = couple(scene(Some(fluid), Some(engine), dt, 1), &grains);
     let mut samples = Vec::new();
-    for step in 1..=100 {
+    let steps = (0.5 / dt).round() as usize;
+    for step in 1..=steps {
         coupling
             .advance(dt)
             .unwrap_or_else(|error| panic!("step {step}: {error}"));
-        let time = dt * f64::from(step);
+        let time = dt * step as f64;
         if time >= 0.1 {
             let amplitude: f64 = (0..grains.mass.len())
                 .filter(|&i| i < count)
@@ -255,8 +255,9 @@ fn rayleigh_taylor(cells: usize) -> f64 {
             samples.push((time, amplitude.abs().ln()));
         }
     }
+    let n = samples.len() / 4;
     for w in 0..4 {
-        print!("{:.3} ", slope(&samples[20 * w..20 * w + 20]));
+        print!("{:.3} ", slope(&samples[n * w..n * w + n]));
     }
     println!();
     slope(&samples)
