@@ -142,8 +142,11 @@ impl Coupling {
             let force = self.grain_force(placement, &known, &model);
             let request = self.request(0, dt);
             let candidate = self.move_grains(&request, &model.drag, &force, 0)?;
-            sub_steps = candidate.sub_steps;
-            model = self.free_model(model.drag, dt, sub_steps);
+            model = self.free_model(model.drag, dt, candidate.sub_steps);
+            // where nothing touches, the new flow and not the old one decides how far grains move
+            if candidate.contact.iter().any(|&state| state >= TOUCHES) {
+                sub_steps = candidate.sub_steps;
+            }
             self.choose_lambda(&mut model, &candidate.contact);
             explain(&mut model, &candidate, &force);
         } else {

@@ -181,8 +181,8 @@ fn a_heavy_layer_above_grows_at_the_rate_of_two_viscous_layers() {
     let expected = number(&row, 6);
     let mut errors = Vec::new();
     println!("| h [mm] | growth [1/s] | theory | error |");
-    for (cells, dt) in [(20, 2.5e-3), (40, 2.5e-3), (40, 1e-2), (80, 1e-2)] {
-        let growth = rayleigh_taylor(cells, dt);
+    for cells in [20, 40, 80] {
+        let growth = rayleigh_taylor(cells, 1e-2);
         let error = growth / expected - 1.0;
         println!(
             "| {} | {growth:.3} | {expected:.3} | {:.1} % |",
@@ -191,15 +191,20 @@ fn a_heavy_layer_above_grows_at_the_rate_of_two_viscous_layers() {
         );
         errors.push(error.abs());
     }
-    let order = (errors[0] / errors[1]).log2();
-    println!("order {order:.2}");
+    let orders: Vec<f64> = errors
+        .windows(2)
+        .map(|pair: &[f64]| (pair[0] / pair[1]).log2())
+        .collect();
+    println!("orders {orders:.2?}");
     assert!(errors[1] < 0.06, "h = 0.25 mm: {}", errors[1]);
-    assert!(order > 0.8, "order {order}");
+    assert!(orders.iter().all(|&order| order > 0.9), "{orders:?}");
 }
+
+const GRAINS_PER_CELL: usize = 3;
 
 /// Growth rate of cos(kx) on the lower face of a layer of c = 0.1, wavelength and both depths 10 mm.
 fn rayleigh_taylor(cells: usize, dt: f64) -> f64 {
-    let (length, radius, solid_fraction) = (0.01, 5e-5, 0.1);
+    let (length, solid_fraction) = (0.01, 0.1);
     let wavenumber = 2.0 * std::f64::consts::PI / length;
     let fluid = with_boundaries(
         fluid(
@@ -215,9 +220,10 @@ fn rayleigh_taylor(cells: usize, dt: f64) -> f64 {
     let mut engine = particles(GRAVITY);
     engine.walls = box_walls([0.0, 0.0], [length, 2.0 * length]);
     engine.tolerance = 1e-3;
-    let count = 72;
+    // whole numbers of grains a cell: their hats sum to a porosity without a pattern
+    let count = GRAINS_PER_CELL * cells;
     let spacing = length / count as f64;
-    let area = std::f64::consts::PI * radius * radius;
+    let radius = spacing * (solid_fraction / std::f64::consts::PI).sqrt();
     let centres: Vec<[f64; 2]> = lattice([0.0, length], spacing, [count, count])
         .iter()
         .map(|x| {
@@ -228,14 +234,7 @@ fn rayleigh_taylor(cells: usize, dt: f64) -> f64 {
             [x[0] + depth * sine, x[1] + depth * cosine]
         })
         .collect();
-    let mut grains = disks(&centres, &vec![radius; centres.len()], 2400.0);
-    // exactly c in the layer, whatever the lattice
-    let factor = solid_fraction * spacing * spacing / area;
-    grains
-        .volume
-        .iter_mut()
-        .for_each(|volume| *volume *= factor);
-    grains.mass.iter_mut().for_each(|mass| *mass *= factor);
+    let grains = disks(&centres, &vec![radius; centres.len()], 2400.0);
     let mut coupling = couple(scene(Some(fluid), Some(engine), dt, 1), &grains);
     let mut samples = Vec::new();
     let steps = (0.5 / dt).round() as usize;
@@ -255,11 +254,6 @@ fn rayleigh_taylor(cells: usize, dt: f64) -> f64 {
             samples.push((time, amplitude.abs().ln()));
         }
     }
-    let n = samples.len() / 4;
-    for w in 0..4 {
-        print!("{:.3} ", slope(&samples[n * w..n * w + n]));
-    }
-    println!();
     slope(&samples)
 }
 
