@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# Runs every check, the long ones too (about 40 minutes on two cores), and writes what they printed
+# to docs/verification.md, with the commit and the machine. Fails when a check fails.
+#
+#     tests/verification.sh [--fast]      --fast leaves out the long ones
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+long=(--include-ignored)
+[ "${1:-}" = --fast ] && long=()
+printed=$(mktemp)
+trap 'rm -f "$printed"' EXIT
+failed=0
+for package in fluid-solver particle-solver coupler tests; do
+    echo "package $package" >>"$printed"
+    cargo test --release -p "$package" --no-fail-fast --tests -- \
+        "${long[@]}" --test-threads=1 --nocapture >>"$printed" 2>/dev/null || failed=1
+done
+
+{
+    echo "# Verification"
+    echo
+    echo "What every check printed, in full; written by \`tests/verification.sh\`, not by hand. A heading is the"
+    echo "claim of a test; the test fails when its numbers leave the bounds that stand in its code."
+    echo
+    echo "* Commit: $(git rev-parse --short HEAD)$(git diff --quiet HEAD || echo ' with changes'), $(date -u +%F)"
+    echo "* Machine: $(nproc) cores, $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(rustc --version)"
+    echo "* Processes, signals, shared memory and files have tests without tables: \`cargo test --release\`."
+    awk '
+        function close_table() { if (in_table) print ""; in_table = 0 }
+        /^package / { print ""; print "## " $2; package = $2; next }
+        /^test .* \.\.\. / {
+            name = $2; sub(/^.*::/, "", name); gsub(/_/, " ", name)
+            result = $0; sub(/^test .* \.\.\. /, "", result)
+            pending = name; printed_any = 0
+            line = result
+            if (line == "ok") { next }
+            if (line == "FAILED") { print ""; print "### " toupper(substr(name,1,1)) substr(name,2); print ""; print "**FAILED**"; next }
+            $0 = line
+        }
+        /^(ok|FAILED)$/ {
+            close_table()
+            if ($0 == "FAILED") print "**FAILED**"
+            pending = ""; next
+        }
+        /^(running|test result|$)/ { if (!/^$/) { close_table(); pending = "" } next }
+        pending != "" {
+            if (!printed_any) {
+                print ""; print "### " toupper(substr(pending,1,1)) substr(pending,2); print ""
+                printed_any = 1; in_table = 0
+            }
+            if (/^\|/) {
+                print
+                if (!in_table) {
+                    row = $0; gsub(/[^|]+/, " --- ", row); print row; in_table = 1
+                }
+            } else { close_table(); print; print "" }
+        }
+    ' "$printed"
+} | cat -s >docs/verification.md
+exit "$failed"
