@@ -209,8 +209,15 @@ fn kill_all_in_turn(arguments: &[String], count: usize, steps_max: u64) {
         let seat = victims[number % victims.len()];
         let steps = 1 + schedule.below(steps_max) as usize;
         let pause = Duration::from_micros(schedule.below(20_000));
-        let aftermath = kill_one(arguments, seat, steps, pause);
+        let mut aftermath = kill_one(arguments, seat, steps, pause);
         print_row(number + 1, seat, &aftermath);
+        // Other work on the machine can make one death late, not the same one three times.
+        for _ in 0..2 {
+            if aftermath.elapsed >= LEAVING_MAX {
+                aftermath = kill_one(arguments, seat, steps, pause);
+                print_row(number + 1, seat, &aftermath);
+            }
+        }
         aftermath.assert(seat);
         longest = longest.max(aftermath.elapsed);
     }
