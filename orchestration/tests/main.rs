@@ -1,6 +1,8 @@
 //! Tests of the orchestrator, in one binary.
 
 mod background;
+mod conform;
+mod conform_toy;
 mod kills;
 mod pictures;
 mod populations;
