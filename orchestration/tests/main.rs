@@ -3,6 +3,7 @@
 mod background;
 mod conform;
 mod conform_toy;
+mod engines;
 mod kills;
 mod pictures;
 mod populations;

@@ -11,6 +11,7 @@ use nix::sys::signal::{Signal, killpg};
 use nix::unistd::Pid;
 
 use crate::error::{Error, exit_code};
+use crate::launch;
 
 /// How often an end is looked for.
 const TICK: Duration = Duration::from_millis(5);
@@ -37,7 +38,7 @@ impl Subject {
         let (program, arguments) = command
             .split_first()
             .ok_or_else(|| Error::Usage("no command after `--`".to_owned()))?;
-        let child = Command::new(program)
+        let child = Command::new(launch::found(program))
             .args(arguments)
             .env_remove("SILLAGE_RUN")
             .env_remove("SILLAGE_ORCHESTRATOR")
