@@ -33,6 +33,7 @@ pub fn need_programs() {
             "sillage-coupler",
             "prescribed-fluid",
             "frozen-particles",
+            "rapier-particles",
         ];
         if names.iter().all(|name| programs().join(name).exists()) {
             return;

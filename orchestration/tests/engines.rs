@@ -8,13 +8,14 @@ use orchestration::scene;
 use crate::background::{Run, need_programs, programs, report, root};
 
 /// Seat, program, arguments.
-const SHIPPED: [(&str, &str, &[&str]); 2] = [
+const SHIPPED: [(&str, &str, &[&str]); 3] = [
     (
         "fluid",
         "prescribed-fluid",
         &["--velocity", "-0.1*y", "x*t", "--pressure", "sin(x)-y"],
     ),
     ("particles", "frozen-particles", &[]),
+    ("particles", "rapier-particles", &["--frequency", "400"]),
 ];
 
 #[test]
@@ -98,6 +99,29 @@ fn a_neutral_grain_takes_the_velocity_of_a_prescribed_stream() {
     let (rise, x) = (-last["fall_speed"], last["centre_x"]);
     println!("rise {rise:.9} m/s of 0.005, centre at {x:.9} m");
     assert!((rise - 0.005).abs() < 1e-6);
+}
+
+#[test]
+fn beads_sink_with_the_contacts_of_rapier_as_with_the_built_in_ones() {
+    let last = |engine: &str| {
+        let command = format!("engines.particles.command=[\"{engine}\"]");
+        let settings = [&command, "run.end_time=0.4", "output.frames=false"];
+        run("rapier-particles", &settings).0
+    };
+    let (theirs, ours) = (last("rapier-particles"), last("sillage-particles"));
+    println!("| at 0.4 s | rapier | built-in |");
+    for name in [
+        "centre_y",
+        "front",
+        "fall_speed",
+        "width",
+        "contacts",
+        "cpu_particles",
+    ] {
+        println!("| {name} | {:.6e} | {:.6e} |", theirs[name], ours[name]);
+    }
+    let apart = |name: &str| (theirs[name] - ours[name]).abs() / ours[name].abs();
+    assert!(apart("centre_y") < 1e-3 && apart("fall_speed") < 1e-2);
 }
 
 #[test]
