@@ -100,7 +100,7 @@ fn command(planned: &plan::Process, scene: &Scene, folder: &Path) -> Result<Comm
         .split_first()
         .ok_or_else(|| Error::Usage(format!("engines.{}.command is empty", planned.seat)))?;
     if foreign {
-        let mut command = Command::new(found(program));
+        let mut command = Command::new(program_of_scene(program, &scene.folder));
         command.args(arguments).current_dir(&scene.folder);
         return Ok(command);
     }
@@ -115,13 +115,14 @@ fn command(planned: &plan::Process, scene: &Scene, folder: &Path) -> Result<Comm
     Ok(command)
 }
 
-/// The program that a command names: a bare name is looked for beside this program first; what is
-/// not there is left to `PATH`.
-pub fn found(program: &str) -> PathBuf {
-    match sibling(program) {
-        Ok(beside) if !program.contains('/') => beside,
-        _ => program.into(),
+/// The program that a command names: a bare name is looked for beside this program, then in `PATH`;
+/// one with a folder in it from `folder`.
+pub fn program_of_scene(program: &str, folder: &Path) -> PathBuf {
+    if !program.contains('/') {
+        return sibling(program).unwrap_or_else(|_| program.into());
     }
+    let path = folder.join(program);
+    std::path::absolute(&path).unwrap_or(path)
 }
 
 /// A program beside this one.

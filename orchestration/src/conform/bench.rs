@@ -102,7 +102,8 @@ impl<'a> Bench<'a> {
 
     /// Inputs of this variant for this engine.
     pub fn inputs(&self, variant: u32) -> Inputs {
-        self.case.inputs(self.count, variant)
+        let able = &self.partner.hello().capabilities;
+        self.case.inputs(self.count, variant, able)
     }
 
     /// One `Advance`, which must be answered by a candidate.

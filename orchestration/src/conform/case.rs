@@ -7,7 +7,7 @@ use protocol::configure::{FluidScene, Geometry, Limits, ParticleScene};
 use protocol::engine::InitialGrains;
 use protocol::field::Field;
 use protocol::links::{FROM_FLUID, FROM_PARTICLES};
-use protocol::messages::{Advance, Role};
+use protocol::messages::{Advance, Capability, Role};
 
 use crate::error::Error;
 use crate::scene::{self, Scene, document::Document};
@@ -129,8 +129,18 @@ impl Case {
     }
 
     /// Inputs in a physical range, a different set for each `variant`: porosities from 0.7 to 0.9
-    /// with a drag of the fluid's inertia over a step, or forces of 0.3 times the weight.
-    pub fn inputs(&self, count: usize, variant: u32) -> Inputs {
+    /// with a drag of the fluid's inertia over a step, or forces of 0.3 times the weight. A fluid that
+    /// does not declare `AffineResponse` is not sent what only that uses.
+    pub fn inputs(&self, count: usize, variant: u32, able: &[Capability]) -> Inputs {
+        let affine = able.contains(&Capability::AffineResponse);
+        let only_affine =
+            |field: Field| matches!(field, Field::EntrainedFraction | Field::SolidMobility);
+        let mut inputs = self.all_inputs(count, variant);
+        inputs.retain(|(field, _)| affine || !only_affine(*field));
+        inputs
+    }
+
+    fn all_inputs(&self, count: usize, variant: u32) -> Inputs {
         let shift = f64::from(variant);
         let wave = |size: usize, rate: f64| (0..size).map(move |k| (rate * k as f64 + shift).sin());
         match &self.part {

@@ -146,7 +146,10 @@ fn bring(case: &Case, state: State, runspace: &RunSpace) -> Result<Partner, prot
         Part::Fluid(scene) => partner.configure_fluid(scene)?.nodal_mass.len(),
         Part::Particles(scene, grains) => partner.configure_particles(scene, grains)?.radius.len(),
     };
-    let (request, inputs) = (case.request(1, 0), case.inputs(count, 0));
+    let (request, inputs) = (
+        case.request(1, 0),
+        case.inputs(count, 0, &partner.hello().capabilities),
+    );
     match state {
         State::Advancing => {
             let inputs: Vec<(Field, FieldHeader, Vec<f64>)> = inputs

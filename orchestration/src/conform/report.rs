@@ -126,10 +126,13 @@ impl Row {
 impl fmt::Display for Row {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (result, why) = self.parts();
-        write!(out, "{:<24} {result:<8} {}", self.check, self.claim)?;
-        match why {
-            Some(why) => write!(out, "\n{:34}{why}", ""),
-            None => Ok(()),
+        let claim = self.claim;
+        write!(out, "{:<24} {result:<8} ", self.check)?;
+        match (&self.outcome, why) {
+            // What it would have said does not matter then.
+            (Outcome::Skipped(why), _) => write!(out, "{why}"),
+            (_, Some(why)) => write!(out, "{claim}\n{:34}{why}", ""),
+            (_, None) => write!(out, "{claim}"),
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
@@ -38,7 +38,7 @@ impl Subject {
         let (program, arguments) = command
             .split_first()
             .ok_or_else(|| Error::Usage("no command after `--`".to_owned()))?;
-        let child = Command::new(launch::found(program))
+        let child = Command::new(launch::program_of_scene(program, Path::new("")))
             .args(arguments)
             .env_remove("SILLAGE_RUN")
             .env_remove("SILLAGE_ORCHESTRATOR")
