@@ -20,6 +20,10 @@
  * Threads. The engine's functions are called one after the other on the thread that called
  * sillage_run_...; sillage_fail() and sillage_report() may be called from any thread. No C++
  * exception and no longjmp may leave a function of the engine: the process would abort.
+ *
+ * Signals. sillage_run_...() sets handlers for SIGTERM, SIGHUP, SIGINT (leave the run, exit with 128 +
+ * the signal) and SIGBUS (shared memory is full: a line on stderr, exit code 4), and a thread that ends
+ * the process with exit code 5 when a partner is lost during a long computation.
  */
 
 

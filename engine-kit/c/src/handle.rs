@@ -292,3 +292,56 @@ pub unsafe extern "C" fn sillage_report(
 pub extern "C" fn sillage_last_error() -> *const c_char {
     LAST_ERROR.with(|last| last.borrow().as_ptr())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn last_error() -> String {
+        // SAFETY: the pointer is this thread's last error, which ends with a zero byte.
+        unsafe { text(sillage_last_error(), "last error") }.expect("UTF-8")
+    }
+
+    #[test]
+    fn a_panic_becomes_an_error_of_this_thread() {
+        assert_eq!(
+            guarded(WRONG, || -> Result<i32, String> { panic!("on purpose") }),
+            WRONG
+        );
+        assert!(last_error().contains("panicked"), "{}", last_error());
+        std::thread::spawn(|| assert_eq!(last_error(), ""))
+            .join()
+            .expect("no error there");
+        assert_eq!(guarded(WRONG, || Err("a \0 in it".to_owned())), WRONG);
+        assert_eq!(last_error(), "a ␀ in it");
+    }
+
+    #[test]
+    fn the_first_reason_of_a_failure_counts_and_silence_is_one() {
+        // SAFETY: literals that end with a zero byte, a handle that is freed once.
+        unsafe {
+            let engine = sillage_engine_new(c"test".as_ptr(), c"1".as_ptr());
+            let this = handle(engine).expect("a handle");
+            let failure = this.call("advance", || {
+                sillage_fail(engine, SILLAGE_FAILURE_NOT_CONVERGED, c"first".as_ptr());
+                sillage_fail(engine, SILLAGE_FAILURE_ENGINE, c"second".as_ptr())
+            });
+            let expected = Failure::new(FailureKind::NotConverged, "first");
+            assert_eq!(failure, Err(expected));
+            // Said, and then returned 0 all the same.
+            let failure = this.call("advance", || {
+                sillage_fail(engine, SILLAGE_FAILURE_SCENE, c"said".as_ptr());
+                0
+            });
+            assert_eq!(failure.expect_err("failed").why, "said");
+            let silent = this.call("commit", || 3).expect_err("failed").why;
+            assert_eq!(silent, "commit returned 3 and did not say why");
+            assert_eq!(
+                this.call("advance", || sillage_report(engine, c"x".as_ptr(), 2.0))
+                    .map(|d| d.len()),
+                Ok(1)
+            );
+            sillage_engine_free(engine);
+        }
+    }
+}
