@@ -20,6 +20,16 @@ Examples:
   sillage plan scenes/cloud.toml --out by-hand
   sillage doctor --clean";
 
+const CONFORM_HELP: &str = "\
+Examples:
+  sillage conform --as fluid -- target/release/sillage-fluid
+  sillage conform --as particles --json -- python3 my_engine.py --option 1
+  sillage conform --as particles --check same-request --check nan -- ./my-engine
+
+Exit codes:
+  0 nothing failed         2 usage or scene
+  1 a check failed         4 the command cannot be started";
+
 /// Grains in a fluid, in two dimensions: a finite-element fluid, non-smooth contacts, and the
 /// coupling between them, each in its own process.
 #[derive(Debug, Parser)]
@@ -44,6 +54,12 @@ pub enum Command {
     Plan(PlanArgs),
     /// Look at shared memory, limits, versions and leftovers of dead runs
     Doctor(DoctorArgs),
+    /// Test whether a command speaks the protocol in a seat: a table of checks
+    #[command(after_help = CONFORM_HELP)]
+    Conform(ConformArgs),
+    /// The process that dies in the checks of `conform`
+    #[command(hide = true)]
+    ConformCoupler(ConformCouplerArgs),
 }
 
 /// A scene with settings.
@@ -122,4 +138,65 @@ pub struct DoctorArgs {
     /// One JSON document on stdout
     #[arg(long)]
     pub json: bool,
+}
+
+/// A seat of the coupled system.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Seat {
+    /// The fluid engine's.
+    Fluid,
+    /// The particle engine's.
+    Particles,
+}
+
+/// What an engine under test is configured with.
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// The seat that the command takes
+    #[arg(long = "as", value_enum, value_name = "SEAT")]
+    pub seat: Seat,
+    /// Configure with this scene's part instead of the built-in one
+    #[arg(long, value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    /// Set a key of the scene (repeatable)
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<String>,
+    /// Longest wait for anything but an end (s)
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, value_parser = positive)]
+    pub limit: f64,
+}
+
+/// Arguments of `conform`.
+#[derive(Debug, Args)]
+pub struct ConformArgs {
+    /// What it is configured with.
+    #[command(flatten)]
+    pub bench: BenchArgs,
+    /// Only this check (repeatable)
+    #[arg(long = "check", value_name = "NAME")]
+    pub checks: Vec<String>,
+    /// One JSON document on stdout
+    #[arg(long)]
+    pub json: bool,
+    /// The engine's program and arguments
+    #[arg(last = true, required = true, value_name = "COMMAND")]
+    pub command: Vec<String>,
+}
+
+/// Arguments of `conform-coupler`.
+#[derive(Debug, Args)]
+pub struct ConformCouplerArgs {
+    /// What the engine is configured with.
+    #[command(flatten)]
+    pub bench: BenchArgs,
+    /// What to bring the engine into.
+    #[arg(long, value_enum)]
+    pub state: crate::conform::deaths::State,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if f64::is_finite(value) && value > 0.0 => Ok(value),
+        _ => Err("must be a positive number of seconds".to_owned()),
+    }
 }

@@ -86,7 +86,8 @@ fn start(
     })
 }
 
-/// Built-in programs lie beside this one; engines of the scene start in the scene's folder.
+/// Built-in programs lie beside this one; engines of the scene start in the scene's folder, and a
+/// bare name is looked for beside this program before `PATH`.
 fn command(planned: &plan::Process, scene: &Scene, folder: &Path) -> Result<Command, Error> {
     let foreign = match planned.seat.as_str() {
         "fluid" => scene.engines.fluid.is_some(),
@@ -99,7 +100,7 @@ fn command(planned: &plan::Process, scene: &Scene, folder: &Path) -> Result<Comm
         .split_first()
         .ok_or_else(|| Error::Usage(format!("engines.{}.command is empty", planned.seat)))?;
     if foreign {
-        let mut command = Command::new(program);
+        let mut command = Command::new(program_of_scene(program, &scene.folder));
         command.args(arguments).current_dir(&scene.folder);
         return Ok(command);
     }
@@ -112,6 +113,16 @@ fn command(planned: &plan::Process, scene: &Scene, folder: &Path) -> Result<Comm
         command.args(arguments);
     }
     Ok(command)
+}
+
+/// The program that a command names: a bare name is looked for beside this program, then in `PATH`;
+/// one with a folder in it from `folder`.
+pub fn program_of_scene(program: &str, folder: &Path) -> PathBuf {
+    if !program.contains('/') {
+        return sibling(program).unwrap_or_else(|_| program.into());
+    }
+    let path = folder.join(program);
+    std::path::absolute(&path).unwrap_or(path)
 }
 
 /// A program beside this one.

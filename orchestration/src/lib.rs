@@ -10,9 +10,11 @@
 //! | `launch`, `watch`, `verdict` | child processes: start, wait, end, and why they ended |
 //! | `interrupt`, `progress` | Ctrl-C, and how far a run is |
 //! | `output` | run folder: `steps.csv`, ParaView files, pictures, `run.json` |
+//! | `conform` | does a command speak the protocol? |
 //! | `doctor` | what this machine offers |
 
 pub mod cli;
+pub mod conform;
 pub mod doctor;
 pub mod error;
 pub mod grains;

@@ -3,7 +3,8 @@
 use std::io::IsTerminal;
 
 use clap::Parser;
-use orchestration::cli::{CheckArgs, Cli, Command, DoctorArgs, PlanArgs, RunArgs};
+use orchestration::cli::{CheckArgs, Cli, Command, ConformArgs, DoctorArgs, PlanArgs, RunArgs};
+use orchestration::conform;
 use orchestration::error::Error;
 use orchestration::{doctor, plan, run, scene};
 use serde_json::json;
@@ -22,6 +23,8 @@ fn main() {
         Command::Plan(args) => (args.json, show_plan(&args)),
         Command::Run(args) => (args.json, run_scene(&args)),
         Command::Doctor(args) => (args.json, examine(&args)),
+        Command::Conform(args) => (args.json, conform_command(&args)),
+        Command::ConformCoupler(args) => (false, conform::die_as_coupler(&args)),
     };
     if let Err(error) = outcome {
         report(&error, wants_json);
@@ -115,4 +118,17 @@ fn examine(args: &DoctorArgs) -> Result<(), Error> {
         print!("{findings}");
     }
     Ok(())
+}
+
+fn conform_command(args: &ConformArgs) -> Result<(), Error> {
+    let report = conform::command(args)?;
+    if args.json {
+        println!("{:#}", report.document());
+    } else {
+        println!("{}", report.summary());
+    }
+    match report.exit_code() {
+        0 => Ok(()),
+        code => std::process::exit(code),
+    }
 }

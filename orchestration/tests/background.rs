@@ -27,7 +27,14 @@ pub fn root() -> PathBuf {
 pub fn need_programs() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        let names = ["sillage-fluid", "sillage-particles", "sillage-coupler"];
+        let names = [
+            "sillage-fluid",
+            "sillage-particles",
+            "sillage-coupler",
+            "prescribed-fluid",
+            "frozen-particles",
+            "rapier-particles",
+        ];
         if names.iter().all(|name| programs().join(name).exists()) {
             return;
         }

@@ -37,3 +37,8 @@ pub use error::Error;
 
 /// Version of the messages and of the header; both sides of a link must agree on it.
 pub const PROTOCOL_VERSION: u32 = 1;
+
+/// The engine in the guide compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/writing-an-engine.md")]
+struct Guide;

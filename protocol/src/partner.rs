@@ -90,6 +90,17 @@ impl Partner {
         &self.hello
     }
 
+    /// The link itself, for what a coupler does not do: traffic that breaks the rules, to see it
+    /// refused (`sillage conform`).
+    pub fn link(&mut self) -> &mut dyn Channel {
+        &mut *self.channel
+    }
+
+    /// Epoch of the engine's mesh or grains; 0 before `Ready`.
+    pub fn epoch(&self) -> u64 {
+        self.counts.epoch
+    }
+
     /// Send the fluid's part of the scene; answered by the mesh.
     pub fn configure_fluid(&mut self, scene: &FluidScene) -> Result<MeshDescription, Error> {
         self.send(&ToEngine::Configure(Configure::Fluid(Box::new(

@@ -41,7 +41,13 @@ fn nobody_links_an_engine_and_only_one_file_of_an_engine_names_the_protocol() {
             _ => assert_eq!(on, ["protocol"], "{name}"),
         }
     }
-    for engine in ["fluid-solver", "particle-solver"] {
+    for engine in [
+        "fluid-solver",
+        "particle-solver",
+        "engines/prescribed-fluid",
+        "engines/frozen-particles",
+        "engines/rapier-particles",
+    ] {
         let naming = files_naming_the_protocol(&format!("{root}/{engine}/src"));
         println!("{engine}: {naming:?}");
         assert!(
