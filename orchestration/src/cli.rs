@@ -77,6 +77,9 @@ pub struct RunArgs {
     /// Run folder; an earlier run in it is replaced (default: runs/SCENE-TIME)
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Record all that the processes exchange (default FILE: that of the scene, or exchange.mcap)
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
+    pub record: Option<String>,
     /// One JSON document on stdout at the end
     #[arg(long)]
     pub json: bool,

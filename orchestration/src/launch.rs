@@ -11,6 +11,7 @@ use protocol::runspace::RunSpace;
 
 use crate::error::{Error, exit_code};
 use crate::plan;
+use crate::record;
 use crate::scene::Scene;
 
 /// A child of this run.
@@ -62,6 +63,7 @@ fn start(
         .map_err(Error::file("cannot write", &log))?;
     command
         .envs(runspace.to_environment())
+        .envs(option_env!("SILLAGE_COMMIT").map(|commit| ("SILLAGE_COMMIT", commit)))
         .stdin(Stdio::null())
         .stdout(file)
         .stderr(errors)
@@ -108,6 +110,10 @@ fn command(planned: &plan::Process, scene: &Scene, folder: &Path) -> Result<Comm
         let scene_file = folder.join("scene.json");
         let scene_file = std::path::absolute(&scene_file).unwrap_or(scene_file);
         command.arg("--scene").arg(scene_file);
+        if let Some(record) = &scene.record {
+            let folder = std::path::absolute(folder).unwrap_or(folder.to_path_buf());
+            command.args(record::arguments(record, &folder));
+        }
     } else {
         command.args(arguments);
     }

@@ -21,6 +21,7 @@ pub mod launch;
 pub mod output;
 pub mod plan;
 pub mod progress;
+pub mod record;
 pub mod run;
 pub mod scene;
 pub mod verdict;

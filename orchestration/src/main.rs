@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use clap::Parser;
 use orchestration::cli::{CheckArgs, Cli, Command, DoctorArgs, PlanArgs, RunArgs};
 use orchestration::error::Error;
-use orchestration::{doctor, plan, run, scene};
+use orchestration::{doctor, plan, record, run, scene};
 use serde_json::json;
 
 fn main() {
@@ -81,13 +81,16 @@ fn show_plan(args: &PlanArgs) -> Result<(), Error> {
 }
 
 fn run_scene(args: &RunArgs) -> Result<(), Error> {
-    let scene = scene::load(
+    let mut scene = scene::load(
         &args.scene.scene,
         &args.scene.settings,
         args.scene.threads(),
     )?;
     for warning in &scene.warnings {
         eprintln!("{}: warning: {warning}", args.scene.scene.display());
+    }
+    if let Some(file) = &args.record {
+        record::request(&mut scene, file)?;
     }
     let outcome = run::run(&scene, args.out.as_deref())?;
     let (ending, folder) = (&outcome.ending, outcome.folder.display());

@@ -234,6 +234,8 @@ pub enum ToOrchestrator {
         /// Totals up to here.
         totals: Vec<Diagnostic>,
     },
+    /// The recording ends here for this reason; the run goes on.
+    RecordingEnded(String),
 }
 
 /// Orchestrator → coupler.

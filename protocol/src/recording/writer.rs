@@ -244,6 +244,14 @@ impl Recorder {
         &self.path
     }
 
+    /// Why nothing is recorded any more, when that is so.
+    pub fn trouble(&self) -> Option<String> {
+        if !self.feed.shared.over.load(Ordering::Acquire) {
+            return None;
+        }
+        lock(&self.feed.shared.why).clone()
+    }
+
     /// The coupler's end of a link, recorded.
     pub fn tap(&self, role: Role, channel: Box<dyn Channel>) -> Box<dyn Channel> {
         Box::new(Tap {
