@@ -7,7 +7,8 @@ use clap::{Args, Parser, Subcommand};
 const EXIT_CODES: &str = "\
 Exit codes:
   0 ok                     5 partner lost
-  2 usage or scene         6 time limit
+  1 differences (replay, diff: outside the tolerance)
+  2 usage, scene or file   6 time limit
   3 handshake or version   7 not finite, or an invariant broken
   4 engine failed          8 not converged
   130 interrupted";
@@ -18,6 +19,9 @@ Examples:
   sillage run scenes/cloud.toml --out runs/coarse --set fluid.domain.rectangle.cells=[40,120]
   sillage check scenes/cloud.toml
   sillage plan scenes/cloud.toml --out by-hand
+  sillage run scenes/cloud.toml --record --out runs/cloud
+  sillage replay runs/cloud/exchange.mcap --as fluid
+  sillage diff runs/cloud runs/coarse
   sillage doctor --clean";
 
 /// Grains in a fluid, in two dimensions: a finite-element fluid, non-smooth contacts, and the
@@ -42,6 +46,14 @@ pub enum Command {
     Check(CheckArgs),
     /// Print which processes, terms and fields a scene needs, and what is left out
     Plan(PlanArgs),
+    /// Feed a recording to one engine and compare its answers; without --as, tell what is recorded
+    #[command(after_help = format!(
+        "With our own engines and the build that recorded, the difference is exactly 0.\n\n{EXIT_CODES}"
+    ))]
+    Replay(ReplayArgs),
+    /// Compare two recordings or run folders
+    #[command(after_help = EXIT_CODES)]
+    Diff(DiffArgs),
     /// Look at shared memory, limits, versions and leftovers of dead runs
     Doctor(DoctorArgs),
 }
@@ -114,6 +126,56 @@ pub struct PlanArgs {
     /// One JSON document on stdout
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `replay`.
+#[derive(Debug, Args)]
+pub struct ReplayArgs {
+    /// Recording (.mcap), or a run folder with one
+    pub recording: PathBuf,
+    /// Which engine is fed
+    #[arg(long = "as", value_name = "SEAT", value_enum)]
+    pub seat: Option<Seat>,
+    /// Command of another engine than the built-in one, e.g. --engine "python3 my_engine.py"
+    #[arg(long, value_name = "COMMAND", requires = "seat")]
+    pub engine: Option<String>,
+    /// Largest difference allowed, of the largest magnitude of each field
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = tolerance, requires = "seat")]
+    pub tolerance: f64,
+    /// One JSON document on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// An engine of a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Seat {
+    /// The fluid engine
+    Fluid,
+    /// The particle engine
+    Particles,
+}
+
+/// Arguments of `diff`.
+#[derive(Debug, Args)]
+pub struct DiffArgs {
+    /// Recording (.mcap) or run folder
+    pub first: PathBuf,
+    /// Another one
+    pub second: PathBuf,
+    /// Largest difference allowed, of the largest magnitude of each field or column
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = tolerance)]
+    pub tolerance: f64,
+    /// One JSON document on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err("must be a number, 0 or more, e.g. 1e-9".to_string()),
+    }
 }
 
 /// Arguments of `doctor`.

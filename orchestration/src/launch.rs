@@ -54,9 +54,19 @@ fn start(
     folder: &Path,
     runspace: &RunSpace,
 ) -> Result<Process, Error> {
-    let seat = planned.seat.clone();
-    let mut command = command(planned, scene, folder)?;
-    let log = folder.join(format!("logs/{seat}.log"));
+    let command = command(planned, scene, folder)?;
+    let log = folder.join(format!("logs/{}.log", planned.seat));
+    spawn(&planned.seat, command, log, runspace)
+}
+
+/// Start a process that takes this seat of the run; what it says goes to `log`.
+pub fn spawn(
+    seat: &str,
+    mut command: Command,
+    log: PathBuf,
+    runspace: &RunSpace,
+) -> Result<Process, Error> {
+    let seat = seat.to_string();
     let file = File::create(&log).map_err(Error::file("cannot write", &log))?;
     let errors = file
         .try_clone()
@@ -73,7 +83,7 @@ fn start(
         code: exit_code::ENGINE,
         why: format!(
             "the {seat} could not be started ({}): {error}",
-            planned.command.join(" ")
+            words(&command)
         ),
     })?;
     tracing::info!("{seat} is process {}", child.id());
@@ -86,6 +96,13 @@ fn start(
         cpu: 0.0,
         child,
     })
+}
+
+/// Program and arguments.
+fn words(command: &Command) -> String {
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    let words: Vec<_> = words.map(|word| word.to_string_lossy()).collect();
+    words.join(" ")
 }
 
 /// Built-in programs lie beside this one; engines of the scene start in the scene's folder.

@@ -10,9 +10,11 @@
 //! | `launch`, `watch`, `verdict` | child processes: start, wait, end, and why they ended |
 //! | `interrupt`, `progress` | Ctrl-C, and how far a run is |
 //! | `output` | run folder: `steps.csv`, ParaView files, pictures, `run.json` |
+//! | `record`, `replay`, `diff` | recordings: made, fed to an engine, compared |
 //! | `doctor` | what this machine offers |
 
 pub mod cli;
+pub mod diff;
 pub mod doctor;
 pub mod error;
 pub mod grains;
@@ -22,6 +24,7 @@ pub mod output;
 pub mod plan;
 pub mod progress;
 pub mod record;
+pub mod replay;
 pub mod run;
 pub mod scene;
 pub mod verdict;

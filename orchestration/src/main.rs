@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use clap::Parser;
 use orchestration::cli::{CheckArgs, Cli, Command, DoctorArgs, PlanArgs, RunArgs};
 use orchestration::error::Error;
-use orchestration::{doctor, plan, record, run, scene};
+use orchestration::{diff, doctor, plan, record, replay, run, scene};
 use serde_json::json;
 
 fn main() {
@@ -21,10 +21,15 @@ fn main() {
         Command::Check(args) => (args.json, check(&args)),
         Command::Plan(args) => (args.json, show_plan(&args)),
         Command::Run(args) => (args.json, run_scene(&args)),
+        Command::Replay(args) => (args.json, replay::command(&args)),
+        Command::Diff(args) => (args.json, diff::command(&args)),
         Command::Doctor(args) => (args.json, examine(&args)),
     };
     if let Err(error) = outcome {
-        report(&error, wants_json);
+        // A comparison has told its result already.
+        if !matches!(error, Error::Different) {
+            report(&error, wants_json);
+        }
         std::process::exit(error.exit_code());
     }
 }

@@ -64,3 +64,16 @@ pub fn in_folder(folder: &Path) -> Option<PathBuf> {
     check_file(file).ok()?;
     Some(folder.join(file))
 }
+
+/// The recording that a path means: the file itself, or that of a run folder.
+pub fn find(path: &Path) -> Result<PathBuf, Error> {
+    if !path.is_dir() {
+        return Ok(path.to_path_buf());
+    }
+    in_folder(path).ok_or_else(|| {
+        Error::Usage(format!(
+            "{} has no recording: run the scene with --record",
+            path.display()
+        ))
+    })
+}

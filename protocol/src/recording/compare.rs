@@ -42,6 +42,7 @@ pub struct Difference {
     pub rms: f64,
     /// Where the largest difference is; none where there is none.
     pub place: Option<Place>,
+    #[serde(skip)]
     squares: f64,
 }
 
@@ -97,6 +98,14 @@ impl Difference {
         } else {
             self.max / self.scale
         }
+    }
+
+    /// The row as JSON, with its verdict; what is not finite is null.
+    pub fn to_json(&self, tolerance: f64) -> serde_json::Value {
+        let mut row = serde_json::to_value(self).unwrap_or_default();
+        row["relative"] = self.relative().into();
+        row["within"] = self.within(tolerance).into();
+        row
     }
 
     /// Is it at most `tolerance` of the largest magnitude?
