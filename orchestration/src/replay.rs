@@ -8,7 +8,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use nix::sys::signal::Signal;
-use protocol::messages::Role;
+use protocol::messages::{Diagnostic, Role};
 use protocol::partner::Partner;
 use protocol::recording::{self, Reader, ReplayError, Report, compare};
 use protocol::runspace::RunSpace;
@@ -19,6 +19,7 @@ use signal_hook::iterator::Signals;
 use crate::cli::{ReplayArgs, Seat};
 use crate::error::{Error, exit_code};
 use crate::launch::{self, Process};
+use crate::progress::Progress;
 use crate::record;
 
 /// How often the engine's process is looked at.
@@ -136,7 +137,7 @@ pub fn replay(reader: &mut Reader, role: Role, engine: Option<&str>) -> Result<R
             role.seat()
         )));
     }
-    let limits = scene.limits;
+    let (limits, mut progress) = (scene.limits, Progress::new(scene.end_time));
     let runspace = RunSpace::create().map_err(failed)?;
     let folder = Folder::create(&runspace)?;
     leave_when_interrupted(&folder.0)?;
@@ -144,7 +145,17 @@ pub fn replay(reader: &mut Reader, role: Role, engine: Option<&str>) -> Result<R
     // A link that was opened before the engine could be is closed before the engine is reaped.
     let played = Partner::accept(role, &runspace, &limits)
         .map_err(ReplayError::from)
-        .and_then(|mut partner| recording::replay(reader, &mut partner, &folder.0));
+        .and_then(|mut partner| {
+            let accepted = |step: u64, time: f64| {
+                let values = [("step", step as f64), ("time", time)];
+                progress.step(&values.map(|(name, value)| Diagnostic {
+                    name: name.to_string(),
+                    value,
+                }));
+            };
+            recording::replay(reader, &mut partner, &folder.0, accepted)
+        });
+    progress.finish();
     let process = engine.end();
     if let Err(error) = runspace.sweep() {
         tracing::warn!("{error}");

@@ -21,7 +21,7 @@ fn replayed(path: &Path, role: Role) -> Report {
     let folder = tempfile::tempdir().expect("a folder");
     let mut reader = Reader::open(path).unwrap_or_else(|error| panic!("{error}"));
     let mut partner = engine(role, None);
-    let report = replay(&mut reader, &mut partner, folder.path());
+    let report = replay(&mut reader, &mut partner, folder.path(), |_, _| ());
     let report = report.unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(reader.ending(), Ending::Complete { exit: Some(0) });
     report

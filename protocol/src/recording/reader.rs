@@ -23,9 +23,9 @@ use super::error::RecordingError;
 use super::{BEGIN, Begin, END, End, FORMAT, PROFILE};
 
 /// Largest record or chunk that is read \[bytes\]; the writer keeps messages below half of it.
-const RECORD_MAX: usize = 2 << 30;
+const RECORD_MAX: usize = 1 << 30;
 /// Bytes taken from the file at once: a length that is wrong cannot ask for much memory.
-const PIECE: usize = 1 << 20;
+const PIECE: usize = 1 << 16;
 
 /// How a recording ends.
 #[derive(Debug, Clone, PartialEq)]

@@ -66,14 +66,17 @@ impl ReplayError {
 }
 
 /// Play the coupler of this recording towards an engine that has said hello. A mesh file of the
-/// recording is written into `folder`.
+/// recording is written into `folder`; `accepted` hears of every accepted step and the time it began.
 pub fn replay(
     reader: &mut Reader,
     partner: &mut Partner,
     folder: &Path,
+    accepted: impl FnMut(u64, f64),
 ) -> Result<Report, ReplayError> {
     let role = partner.hello().role;
     let mut player = Player {
+        accepted,
+        time: 0.0,
         partner,
         role,
         inputs: Vec::new(),
@@ -92,7 +95,10 @@ pub fn replay(
 }
 
 /// The state of a replay.
-struct Player<'a> {
+struct Player<'a, F> {
+    accepted: F,
+    /// When the step began that was asked for last \[s\].
+    time: f64,
     partner: &'a mut Partner,
     role: Role,
     /// Recorded inputs of the request that follows.
@@ -104,7 +110,7 @@ struct Player<'a> {
     report: Report,
 }
 
-impl Player<'_> {
+impl<F: FnMut(u64, f64)> Player<'_, F> {
     fn take(&mut self, reader: &Reader, folder: &Path, entry: Entry) -> Result<(), ReplayError> {
         let key = entry.key;
         match entry.body {
@@ -158,6 +164,7 @@ impl Player<'_> {
             ToEngine::Commit { step } => {
                 self.partner.commit(step)?;
                 self.report.steps += 1;
+                (self.accepted)(step, self.time);
             }
             ToEngine::Restore { .. } => {
                 return Err(RecordingError::NotReplayable {
@@ -182,6 +189,7 @@ impl Player<'_> {
         request: &Advance,
         inputs: &[(Field, Vec<f64>)],
     ) -> Result<(), ReplayError> {
+        self.time = request.time;
         let wanted: &[Field] = match self.role {
             Role::Fluid => &FROM_FLUID,
             Role::Particles => &FROM_PARTICLES,

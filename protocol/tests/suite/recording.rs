@@ -220,7 +220,7 @@ impl FluidEngine for Shifted {
 pub fn replayed(path: &Path, partner: &mut Partner) -> Report {
     let folder = tempfile::tempdir().expect("a folder");
     let mut reader = Reader::open(path).expect("a recording");
-    let report = replay(&mut reader, partner, folder.path()).expect("a replay");
+    let report = replay(&mut reader, partner, folder.path(), |_, _| ()).expect("a replay");
     println!("{}", compare::text(&report.fields, 0.0));
     report
 }

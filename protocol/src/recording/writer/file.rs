@@ -20,8 +20,8 @@ use super::{Payload, Raw, now};
 pub(super) const CHUNK_AGE: Duration = Duration::from_secs(1);
 /// A chunk is closed when it is larger \[bytes\].
 const CHUNK_SIZE: u64 = 1 << 20;
-/// Readers refuse larger messages.
-pub(in super::super) const MESSAGE_MAX: usize = 1 << 30;
+/// Largest message \[bytes\]; readers refuse chunks above twice that.
+const MESSAGE_MAX: usize = 1 << 29;
 
 /// Where messages are written; every error is told in words.
 pub(super) struct Output {
