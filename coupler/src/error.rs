@@ -8,6 +8,9 @@ pub enum CouplerError {
     /// A link or an engine failed.
     #[error(transparent)]
     Protocol(#[from] protocol::error::Error),
+    /// The recording cannot be begun.
+    #[error(transparent)]
+    Recording(#[from] protocol::recording::RecordingError),
     /// The resolved scene or its grains file cannot be used.
     #[error("{file}: {why}")]
     Scene {
@@ -102,6 +105,7 @@ impl CouplerError {
     pub fn exit_code(&self) -> i32 {
         match self {
             CouplerError::Protocol(error) => error.exit_code(),
+            CouplerError::Recording(error) => error.exit_code(),
             CouplerError::Scene { .. } => 2,
             CouplerError::GrainOutside { .. }
             | CouplerError::Porosity { .. }

@@ -5,6 +5,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use coupler::error::CouplerError;
+use coupler::record::Request;
+use protocol::recording::Compression;
 
 /// Couple a fluid engine and a particle engine: owns the clock, the scheme, the transfer and drag.
 ///
@@ -17,6 +19,20 @@ struct Arguments {
     /// Resolved scene: DIR/scene.json as written by `sillage plan SCENE --out DIR`
     #[arg(long)]
     scene: PathBuf,
+    /// Record every field and message of the run into this file (MCAP)
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// Compression of the recording: zstd or none
+    #[arg(long, value_name = "NAME", default_value = "zstd", value_parser = compression)]
+    record_compression: Compression,
+}
+
+fn compression(name: &str) -> Result<Compression, String> {
+    match name {
+        "zstd" => Ok(Compression::Zstd),
+        "none" => Ok(Compression::None),
+        _ => Err("allowed: zstd, none".to_owned()),
+    }
 }
 
 fn main() -> ExitCode {
@@ -25,7 +41,11 @@ fn main() -> ExitCode {
         .map_err(CouplerError::from)
         .and_then(|runspace| {
             let (scene, grains) = coupler::input::read(&arguments.scene)?;
-            coupler::run::run(scene, &grains, &runspace)
+            let record = arguments.record.map(|path| Request {
+                path,
+                compression: arguments.record_compression,
+            });
+            coupler::run::run(scene, &grains, &runspace, record.as_ref())
         });
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -6,6 +6,7 @@ use protocol::configure::CouplerScene;
 use protocol::engine::InitialGrains;
 use protocol::error::Error;
 use protocol::field::Field;
+use protocol::ipc::coupler_link;
 use protocol::messages::{Diagnostic, FailureKind, Role};
 use protocol::monitor::MonitorSender;
 use protocol::partner::Partner;
@@ -17,19 +18,32 @@ use crate::coupling::{self, Coupling, StepReport};
 use crate::engines::value;
 use crate::error::CouplerError;
 use crate::observe::{self, StepCost};
+use crate::record::{self, Recording};
 
-/// Connect to the engines of this run, and to the orchestrator if there is one, and run the scene.
+/// Connect to the engines of this run, and to the orchestrator if there is one, and run the scene;
+/// what passes between them is recorded when that is asked for.
 pub fn run(
     scene: CouplerScene,
     grains: &InitialGrains,
     runspace: &RunSpace,
+    record: Option<&record::Request>,
 ) -> Result<(), CouplerError> {
     let mut monitor = MonitorSender::connect(runspace)?;
     let mut totals = Totals::default();
     let mut coupling = None;
-    let result = connect(scene, grains, runspace).and_then(|connected| {
-        step_to_the_end(coupling.insert(connected), &mut monitor, &mut totals)
-    });
+    let mut recording = Recording::default();
+    let result = Recording::begin(record, &scene)
+        .map_err(CouplerError::from)
+        .and_then(|begun| {
+            recording = begun;
+            connect(scene, grains, runspace, &recording)
+        })
+        .and_then(|connected| {
+            let connected = coupling.insert(connected);
+            step_to_the_end(connected, &mut monitor, &mut totals, &mut recording)
+        });
+    let exit = result.as_ref().map_or_else(CouplerError::exit_code, |()| 0);
+    recording.finish(exit, &mut monitor, &mut totals.named)?;
     // The orchestrator hears how it ended before the engines leave: processes that end on their own
     // are a sign of trouble to it.
     match (&result, &mut monitor) {
@@ -55,10 +69,12 @@ fn connect(
     scene: CouplerScene,
     grains: &InitialGrains,
     runspace: &RunSpace,
+    recording: &Recording,
 ) -> Result<Coupling, CouplerError> {
     let seat = |needed: bool, role: Role| -> Result<Option<Partner>, CouplerError> {
         Ok(if needed {
-            Some(Partner::accept(role, runspace, &scene.limits)?)
+            let link = recording.tap(role, coupler_link(runspace, role)?);
+            Some(Partner::greet(role, link, &scene.limits)?)
         } else {
             None
         })
@@ -84,6 +100,7 @@ fn step_to_the_end(
     coupling: &mut Coupling,
     monitor: &mut Option<MonitorSender>,
     totals: &mut Totals,
+    recording: &mut Recording,
 ) -> Result<(), CouplerError> {
     let mut clock = Clock::new(coupling.scene());
     let cell = coupling
@@ -104,6 +121,7 @@ fn step_to_the_end(
             Some(monitor) => monitor.step(columns)?,
             None => print_line(&columns),
         }
+        recording.look(monitor)?;
         let stop = monitor.as_mut().is_some_and(MonitorSender::stop_requested);
         if clock.output_due(coupling.time) || stop {
             snapshot(coupling, monitor)?;

@@ -3,11 +3,13 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use protocol::messages::Role;
 
 const EXIT_CODES: &str = "\
 Exit codes:
   0 ok                     5 partner lost
-  2 usage or scene         6 time limit
+  1 differences (replay, diff: outside the tolerance)
+  2 usage, scene or file   6 time limit
   3 handshake or version   7 not finite, or an invariant broken
   4 engine failed          8 not converged
   130 interrupted";
@@ -18,6 +20,9 @@ Examples:
   sillage run scenes/cloud.toml --out runs/coarse --set fluid.domain.rectangle.cells=[40,120]
   sillage check scenes/cloud.toml
   sillage plan scenes/cloud.toml --out by-hand
+  sillage run scenes/cloud.toml --record --out runs/cloud
+  sillage replay runs/cloud/exchange.mcap --as fluid
+  sillage diff runs/cloud runs/coarse
   sillage doctor --clean";
 
 const CONFORM_HELP: &str = "\
@@ -52,6 +57,14 @@ pub enum Command {
     Check(CheckArgs),
     /// Print which processes, terms and fields a scene needs, and what is left out
     Plan(PlanArgs),
+    /// Feed a recording to one engine and compare its answers; without --as, tell what is recorded
+    #[command(after_help = format!(
+        "With our own engines and the build that recorded, the difference is exactly 0.\n\n{EXIT_CODES}"
+    ))]
+    Replay(ReplayArgs),
+    /// Compare two recordings or run folders
+    #[command(after_help = EXIT_CODES)]
+    Diff(DiffArgs),
     /// Look at shared memory, limits, versions and leftovers of dead runs
     Doctor(DoctorArgs),
     /// Test whether a command speaks the protocol in a seat: a table of checks
@@ -93,6 +106,9 @@ pub struct RunArgs {
     /// Run folder; an earlier run in it is replaced (default: runs/SCENE-TIME)
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Record all that the processes exchange (default FILE: that of the scene, or exchange.mcap)
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
+    pub record: Option<String>,
     /// One JSON document on stdout at the end
     #[arg(long)]
     pub json: bool,
@@ -129,6 +145,47 @@ pub struct PlanArgs {
     pub json: bool,
 }
 
+/// Arguments of `replay`.
+#[derive(Debug, Args)]
+pub struct ReplayArgs {
+    /// Recording (.mcap), or a run folder with one
+    pub recording: PathBuf,
+    /// Which engine is fed
+    #[arg(long = "as", value_name = "SEAT", value_enum)]
+    pub seat: Option<Seat>,
+    /// Command of another engine than the built-in one, e.g. --engine "python3 my_engine.py"
+    #[arg(long, value_name = "COMMAND", requires = "seat")]
+    pub engine: Option<String>,
+    /// Largest difference allowed, of the largest magnitude of each field
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = tolerance, requires = "seat")]
+    pub tolerance: f64,
+    /// One JSON document on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `diff`.
+#[derive(Debug, Args)]
+pub struct DiffArgs {
+    /// Recording (.mcap) or run folder
+    pub first: PathBuf,
+    /// Another one
+    pub second: PathBuf,
+    /// Largest difference allowed, of the largest magnitude of each field or column
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = tolerance)]
+    pub tolerance: f64,
+    /// One JSON document on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err("must be a number, 0 or more, e.g. 1e-9".to_string()),
+    }
+}
+
 /// Arguments of `doctor`.
 #[derive(Debug, Args)]
 pub struct DoctorArgs {
@@ -147,6 +204,16 @@ pub enum Seat {
     Fluid,
     /// The particle engine's.
     Particles,
+}
+
+impl Seat {
+    /// The role of who takes it.
+    pub fn role(self) -> Role {
+        match self {
+            Seat::Fluid => Role::Fluid,
+            Seat::Particles => Role::Particles,
+        }
+    }
 }
 
 /// What an engine under test is configured with.

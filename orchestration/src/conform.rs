@@ -24,7 +24,7 @@ use std::time::Instant;
 
 use protocol::messages::Role;
 
-use crate::cli::{BenchArgs, ConformArgs, ConformCouplerArgs, Seat};
+use crate::cli::{BenchArgs, ConformArgs, ConformCouplerArgs};
 use crate::error::Error;
 use case::Case;
 pub use report::{Outcome, Report, Row};
@@ -114,12 +114,8 @@ pub fn die_as_coupler(args: &ConformCouplerArgs) -> Result<(), Error> {
 }
 
 fn case(bench: &BenchArgs, command: Vec<String>) -> Result<Case, Error> {
-    let role = match bench.seat {
-        Seat::Fluid => Role::Fluid,
-        Seat::Particles => Role::Particles,
-    };
     let (scene, settings) = (bench.scene.clone(), bench.settings.clone());
-    Case::new(role, command, scene, settings, bench.limit)
+    Case::new(bench.seat.role(), command, scene, settings, bench.limit)
 }
 
 /// Run the suite, or the checks named in `wanted`; `shown` sees each row when it is known.

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use protocol::recording::RecordingError;
 use thiserror::Error;
 
 use crate::scene::problem::Problems;
@@ -10,6 +11,8 @@ use crate::scene::problem::Problems;
 pub mod exit_code {
     /// Everything went well.
     pub const OK: i32 = 0;
+    /// Two results differ by more than the tolerance (`replay`, `diff`).
+    pub const DIFFERENT: i32 = 1;
     /// Wrong usage or an invalid scene.
     pub const SCENE: i32 = 2;
     /// Handshake refused or versions that do not match.
@@ -31,7 +34,8 @@ pub mod exit_code {
     pub fn meaning(code: i32) -> &'static str {
         match code {
             OK => "ok",
-            SCENE => "usage or scene",
+            DIFFERENT => "different",
+            SCENE => "usage, scene or file",
             HANDSHAKE => "handshake or version",
             ENGINE => "engine failed",
             PARTNER_LOST => "partner lost",
@@ -71,6 +75,12 @@ pub enum Error {
         /// Who, at which step, waiting for what.
         why: String,
     },
+    /// What was compared differs by more than the tolerance; the table has been printed.
+    #[error("outside the tolerance")]
+    Different,
+    /// A recording cannot be used.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
     /// Drawing a picture failed.
     #[error("cannot draw {path}: {why}")]
     Picture {
@@ -88,6 +98,8 @@ impl Error {
             Error::Scene(_) | Error::Usage(_) => exit_code::SCENE,
             Error::File { .. } | Error::Picture { .. } => exit_code::ENGINE,
             Error::Run { code, .. } => *code,
+            Error::Different => exit_code::DIFFERENT,
+            Error::Recording(error) => error.exit_code(),
         }
     }
 

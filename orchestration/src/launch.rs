@@ -11,6 +11,7 @@ use protocol::runspace::RunSpace;
 
 use crate::error::{Error, exit_code};
 use crate::plan;
+use crate::record;
 use crate::scene::Scene;
 
 /// A child of this run.
@@ -53,15 +54,26 @@ fn start(
     folder: &Path,
     runspace: &RunSpace,
 ) -> Result<Process, Error> {
-    let seat = planned.seat.clone();
-    let mut command = command(planned, scene, folder)?;
-    let log = folder.join(format!("logs/{seat}.log"));
+    let command = command(planned, scene, folder)?;
+    let log = folder.join(format!("logs/{}.log", planned.seat));
+    spawn(&planned.seat, command, log, runspace)
+}
+
+/// Start a process that takes this seat of the run; what it says goes to `log`.
+pub fn spawn(
+    seat: &str,
+    mut command: Command,
+    log: PathBuf,
+    runspace: &RunSpace,
+) -> Result<Process, Error> {
+    let seat = seat.to_string();
     let file = File::create(&log).map_err(Error::file("cannot write", &log))?;
     let errors = file
         .try_clone()
         .map_err(Error::file("cannot write", &log))?;
     command
         .envs(runspace.to_environment())
+        .envs(option_env!("SILLAGE_COMMIT").map(|commit| ("SILLAGE_COMMIT", commit)))
         .stdin(Stdio::null())
         .stdout(file)
         .stderr(errors)
@@ -71,7 +83,7 @@ fn start(
         code: exit_code::ENGINE,
         why: format!(
             "the {seat} could not be started ({}): {error}",
-            planned.command.join(" ")
+            words(&command)
         ),
     })?;
     tracing::info!("{seat} is process {}", child.id());
@@ -84,6 +96,13 @@ fn start(
         cpu: 0.0,
         child,
     })
+}
+
+/// Program and arguments.
+fn words(command: &Command) -> String {
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    let words: Vec<_> = words.map(|word| word.to_string_lossy()).collect();
+    words.join(" ")
 }
 
 /// Built-in programs lie beside this one; engines of the scene start in the scene's folder, and a
@@ -109,6 +128,10 @@ fn command(planned: &plan::Process, scene: &Scene, folder: &Path) -> Result<Comm
         let scene_file = folder.join("scene.json");
         let scene_file = std::path::absolute(&scene_file).unwrap_or(scene_file);
         command.arg("--scene").arg(scene_file);
+        if let Some(record) = &scene.record {
+            let folder = std::path::absolute(folder).unwrap_or(folder.to_path_buf());
+            command.args(record::arguments(record, &folder));
+        }
     } else {
         command.args(arguments);
     }

@@ -11,10 +11,12 @@
 //! | `interrupt`, `progress` | Ctrl-C, and how far a run is |
 //! | `output` | run folder: `steps.csv`, ParaView files, pictures, `run.json` |
 //! | `conform` | does a command speak the protocol? |
+//! | `record`, `replay`, `diff` | recordings: made, fed to an engine, compared |
 //! | `doctor` | what this machine offers |
 
 pub mod cli;
 pub mod conform;
+pub mod diff;
 pub mod doctor;
 pub mod error;
 pub mod grains;
@@ -23,6 +25,8 @@ pub mod launch;
 pub mod output;
 pub mod plan;
 pub mod progress;
+pub mod record;
+pub mod replay;
 pub mod run;
 pub mod scene;
 pub mod verdict;

@@ -6,7 +6,7 @@ use clap::Parser;
 use orchestration::cli::{CheckArgs, Cli, Command, ConformArgs, DoctorArgs, PlanArgs, RunArgs};
 use orchestration::conform;
 use orchestration::error::Error;
-use orchestration::{doctor, plan, run, scene};
+use orchestration::{diff, doctor, plan, record, replay, run, scene};
 use serde_json::json;
 
 fn main() {
@@ -22,12 +22,17 @@ fn main() {
         Command::Check(args) => (args.json, check(&args)),
         Command::Plan(args) => (args.json, show_plan(&args)),
         Command::Run(args) => (args.json, run_scene(&args)),
+        Command::Replay(args) => (args.json, replay::command(&args)),
+        Command::Diff(args) => (args.json, diff::command(&args)),
         Command::Doctor(args) => (args.json, examine(&args)),
         Command::Conform(args) => (args.json, conform_command(&args)),
         Command::ConformCoupler(args) => (false, conform::die_as_coupler(&args)),
     };
     if let Err(error) = outcome {
-        report(&error, wants_json);
+        // A comparison has told its result already.
+        if !matches!(error, Error::Different) {
+            report(&error, wants_json);
+        }
         std::process::exit(error.exit_code());
     }
 }
@@ -84,13 +89,16 @@ fn show_plan(args: &PlanArgs) -> Result<(), Error> {
 }
 
 fn run_scene(args: &RunArgs) -> Result<(), Error> {
-    let scene = scene::load(
+    let mut scene = scene::load(
         &args.scene.scene,
         &args.scene.settings,
         args.scene.threads(),
     )?;
     for warning in &scene.warnings {
         eprintln!("{}: warning: {warning}", args.scene.scene.display());
+    }
+    if let Some(file) = &args.record {
+        record::request(&mut scene, file)?;
     }
     let outcome = run::run(&scene, args.out.as_deref())?;
     let (ending, folder) = (&outcome.ending, outcome.folder.display());

@@ -7,6 +7,7 @@
 //! | `steps.csv` | a row a step |
 //! | `fluid.pvd`, `grains.pvd`, `vtu/` | states for ParaView |
 //! | `frames/`, `overview.png` | pictures |
+//! | `exchange.mcap` | all that the processes exchanged, when it is recorded |
 //! | `logs/` | what the processes said |
 
 pub mod machine;
@@ -52,6 +53,8 @@ pub struct RunFolder {
     pub engines: Vec<Hello>,
     /// Totals the coupler sent at the end.
     pub totals: Vec<Diagnostic>,
+    /// Why the recording ended before the run, when it did.
+    pub recording_ended: Option<String>,
 }
 
 impl RunFolder {
@@ -84,6 +87,7 @@ impl RunFolder {
             snapshots: 0,
             engines: Vec::new(),
             totals: Vec::new(),
+            recording_ended: None,
         })
     }
 
@@ -109,6 +113,10 @@ impl RunFolder {
             ToOrchestrator::Snapshot { time, .. } => self.snapshot(time, &event.fields),
             ToOrchestrator::Finished(totals) | ToOrchestrator::Stopped { totals, .. } => {
                 self.totals = totals;
+                Ok(())
+            }
+            ToOrchestrator::RecordingEnded(why) => {
+                self.recording_ended = Some(why);
                 Ok(())
             }
         }

@@ -8,6 +8,7 @@ use protocol::field::Field;
 use serde::Serialize;
 
 use crate::error::Error;
+use crate::record;
 use crate::scene::Scene;
 use crate::scene::resolve::GRAINS_FILE;
 
@@ -106,14 +107,15 @@ pub fn processes(scene: &Scene) -> Vec<Process> {
             command(&scene.engines.particles, "sillage-particles"),
         );
     }
-    add(
-        "coupler",
-        vec![
-            "sillage-coupler".into(),
-            "--scene".into(),
-            "scene.json".into(),
-        ],
-    );
+    let mut coupler = vec![
+        "sillage-coupler".into(),
+        "--scene".into(),
+        "scene.json".into(),
+    ];
+    if let Some(record) = &scene.record {
+        coupler.extend(record::arguments(record, Path::new("")));
+    }
+    add("coupler", coupler);
     processes
 }
 

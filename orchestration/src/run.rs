@@ -14,6 +14,7 @@ use crate::launch::{self, Process};
 use crate::output::report::{self, Ending};
 use crate::output::{RunFolder, writer::Writer};
 use crate::progress::Progress;
+use crate::record;
 use crate::scene::Scene;
 use crate::verdict::Verdict;
 use crate::watch::Watch;
@@ -180,6 +181,10 @@ fn clear_previous(path: &Path) -> Result<(), Error> {
     }
     if !path.join("run.json").exists() {
         return Ok(());
+    }
+    let recording = record::in_folder(path).filter(|file| file.starts_with(path));
+    if let Some(file) = recording.filter(|file| file.exists()) {
+        std::fs::remove_file(&file).map_err(Error::file("cannot remove", &file))?;
     }
     for name in [
         "run.json",

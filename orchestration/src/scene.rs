@@ -24,7 +24,7 @@ use crate::error::Error;
 use crate::grains::GrainTable;
 use check::Checker;
 use document::Document;
-use keys::{Engines, Output};
+use keys::{Engines, Output, Record};
 use problem::Problems;
 
 /// A scene that can be run.
@@ -44,6 +44,8 @@ pub struct Scene {
     pub engines: Engines,
     /// What is written.
     pub output: Output,
+    /// The recording, when one is asked for.
+    pub record: Option<Record>,
     /// What was asked for and will not happen, or may surprise.
     pub warnings: Vec<String>,
 }

@@ -86,6 +86,9 @@ impl Watch<'_> {
                             why: why.clone(),
                         });
                     }
+                    ToOrchestrator::RecordingEnded(why) => self.progress.say(&format!(
+                        "warning: the recording is not complete, the run goes on: {why}"
+                    )),
                     ToOrchestrator::Snapshot { .. } => {}
                 }
                 self.writer.take(event);

@@ -5,5 +5,6 @@ mod kills;
 mod pictures;
 mod populations;
 mod processes;
+mod recordings;
 mod scene_errors;
 mod scenes_folder;

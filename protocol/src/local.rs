@@ -74,6 +74,14 @@ pub fn spawn_with(
     limits: &Limits,
     serve: impl FnOnce(Box<dyn Channel>) -> Result<(), Error> + Send + 'static,
 ) -> Result<Partner, Error> {
+    Partner::greet(role, connect(role, serve)?, limits)
+}
+
+/// The same without the greeting: the coupler's end of the link, for a recorder to tap.
+pub fn connect(
+    role: Role,
+    serve: impl FnOnce(Box<dyn Channel>) -> Result<(), Error> + Send + 'static,
+) -> Result<Box<dyn Channel>, Error> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let id = format!(
         "local{}x{}",
@@ -101,7 +109,7 @@ pub fn spawn_with(
         .name(role.seat().to_owned())
         .spawn(run)
         .map_err(|e| Error::transport("engine thread", e))?;
-    Partner::greet(role, link, limits)
+    Ok(link)
 }
 
 fn open(

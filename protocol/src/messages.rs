@@ -109,7 +109,16 @@ pub struct Diagnostic {
     /// Name from the list in `README.md`, or the engine's own.
     pub name: String,
     /// Value in SI units.
+    #[serde(deserialize_with = "number_or_null")]
     pub value: f64,
+}
+
+/// JSON, in which recordings hold messages, has no word for what is not finite and says null.
+fn number_or_null<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f64, D::Error> {
+    if source.is_human_readable() {
+        return Ok(Option::deserialize(source)?.unwrap_or(f64::NAN));
+    }
+    f64::deserialize(source)
 }
 
 /// A candidate is ready; its fields follow.
@@ -225,6 +234,8 @@ pub enum ToOrchestrator {
         /// Totals up to here.
         totals: Vec<Diagnostic>,
     },
+    /// The recording ends here for this reason; the run goes on.
+    RecordingEnded(String),
 }
 
 /// Orchestrator → coupler.

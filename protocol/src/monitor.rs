@@ -107,6 +107,11 @@ impl MonitorSender {
         self.send(&ToOrchestrator::Step(values))
     }
 
+    /// The recording ended before the run.
+    pub fn recording_ended(&mut self, why: &str) -> Result<(), Error> {
+        self.send(&ToOrchestrator::RecordingEnded(why.to_owned()))
+    }
+
     /// Fields of the accepted state; waits until the previous snapshot was taken over.
     pub fn snapshot(
         &mut self,
@@ -248,7 +253,11 @@ impl MonitorReceiver {
         let message: ToOrchestrator = codec::decode(&bytes)
             .map_err(|e| Error::invalid(who, header.step, "message", e.to_string()))?;
         let fields = self.fields_of(&message)?;
-        if !matches!(message, ToOrchestrator::Step(_)) {
+        let unanswered = matches!(
+            message,
+            ToOrchestrator::Step(_) | ToOrchestrator::RecordingEnded(_)
+        );
+        if !unanswered {
             self.send(FromOrchestrator::SnapshotTaken)?;
         }
         Ok(Some(Event { message, fields }))

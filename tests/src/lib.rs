@@ -8,9 +8,14 @@ use protocol::configure::{
     Boundary, CouplerScene, Diagonals, DragLaw, FluidScene, Geometry, Limits, MeshSource,
     Nonlinear, ParticleScene, Scheme, TimeScheme, ViscousForm, Wall,
 };
-use protocol::engine::InitialGrains;
+use protocol::engine::{InitialGrains, serve_fluid, serve_particles};
+use protocol::local::{LIMITS, connect};
+use protocol::messages::Role;
+use protocol::partner::Partner;
+use protocol::recording::Recorder;
 
 pub mod grains;
+pub mod recorded;
 pub mod reference;
 
 /// A rectangle of fluid at rest, closed by no-slip walls, Stokes flow unless changed.
@@ -131,19 +136,44 @@ pub fn scene(
 
 /// Start our engines on threads and couple them.
 pub fn couple(scene: CouplerScene, grains: &InitialGrains) -> Coupling {
+    couple_recorded(scene, grains, None)
+}
+
+/// One of our engines on a thread, its link recorded when there is a recorder.
+pub fn engine(role: Role, recorder: Option<&Recorder>) -> Partner {
+    let link = match role {
+        Role::Fluid => connect(role, |link| {
+            serve_fluid(&mut fluid_solver::serve::Engine::default(), link)
+        }),
+        Role::Particles => connect(role, |link| {
+            serve_particles(&mut particle_solver::serve::Engine::default(), link)
+        }),
+    }
+    .unwrap_or_else(|error| panic!("{error}"));
+    let link = match recorder {
+        Some(recorder) => recorder.tap(role, link),
+        None => link,
+    };
+    Partner::greet(role, link, &LIMITS).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The same, with all that is exchanged recorded.
+pub fn couple_recorded(
+    scene: CouplerScene,
+    grains: &InitialGrains,
+    recorder: Option<&Recorder>,
+) -> Coupling {
     let filter = tracing_subscriber::EnvFilter::from_env("SILLAGE_LOG"); // SILLAGE_LOG=coupler=debug shows passes
     let _ = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .without_time()
         .with_test_writer()
         .try_init();
-    let fluid = scene.fluid.is_some().then(|| {
-        protocol::local::spawn_fluid(fluid_solver::serve::Engine::default).expect("a fluid engine")
-    });
-    let particles = scene.particles.is_some().then(|| {
-        protocol::local::spawn_particles(particle_solver::serve::Engine::default)
-            .expect("a particle engine")
-    });
+    let fluid = scene.fluid.is_some().then(|| engine(Role::Fluid, recorder));
+    let particles = scene
+        .particles
+        .is_some()
+        .then(|| engine(Role::Particles, recorder));
     Coupling::new(scene, fluid, particles, grains).unwrap_or_else(|error| panic!("{error}"))
 }
 

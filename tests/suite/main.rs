@@ -7,4 +7,5 @@ mod cloud;
 mod column;
 mod one_grain;
 mod packing;
+mod replay;
 mod settling;

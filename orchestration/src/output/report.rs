@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use super::steps::Summary;
 use super::{RunFolder, machine, vtu};
 use crate::error::{Error, exit_code};
+use crate::record;
 use crate::scene::Scene;
 
 /// How a run ended.
@@ -43,6 +44,11 @@ pub fn document(scene: &Scene, folder: &RunFolder, ending: Option<&Ending>) -> V
         .iter()
         .map(|total| (total.name.clone(), json!(total.value)))
         .collect();
+    let why = folder.recording_ended.as_deref();
+    let recording = scene
+        .record
+        .as_ref()
+        .map(|record| record::report(record, &folder.totals, why));
     json!({
         "scene": { "name": scene.name, "resolved": scene.coupler, "grains": scene.grains.len() },
         "versions": versions(),
@@ -54,6 +60,7 @@ pub fn document(scene: &Scene, folder: &RunFolder, ending: Option<&Ending>) -> V
         "cost": cost(summary, ending),
         "worst": summary.worst,
         "totals": totals,
+        "recording": recording,
         "exit": ending.map(|ending| json!({
             "code": ending.code,
             "meaning": exit_code::meaning(ending.code),

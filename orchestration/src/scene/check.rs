@@ -10,6 +10,7 @@ use super::keys::{
 use super::population_keys::{Grains, Radius};
 use super::problem::Problem;
 use super::read::nearest;
+use crate::record;
 
 /// Nodes of a rectangle: far beyond what fits into the memory of one machine.
 const NODES_MAX: f64 = 1e8;
@@ -119,6 +120,7 @@ impl<'a> Checker<'a> {
             self.coupling(coupling);
         }
         self.output(scene);
+        self.record(scene);
         self.limits(&scene.limits);
         self.engines(scene);
     }
@@ -356,6 +358,13 @@ impl<'a> Checker<'a> {
                     format!("unknown field{meant} (fields: {list})"),
                 );
             }
+        }
+    }
+
+    fn record(&mut self, scene: &SceneFile) {
+        let file = scene.record.as_ref().map(|record| record.file.as_str());
+        if let Some(Err(why)) = file.map(record::check_file) {
+            self.refuse("record.file", why);
         }
     }
 

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use protocol::configure::{
     AdaptiveStep, Diagonals, DragLaw, Geometry, Nonlinear, Profile, Scheme, TimeScheme, ViscousForm,
 };
+use protocol::recording::Compression;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -294,10 +295,22 @@ pub struct Output {
 
 /// Recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct Record {
-    /// File in the run folder, e.g. "exchange.mcap".
+    /// File, relative to the run folder; its name ends in ".mcap".
     pub file: String,
+    /// "zstd" (smaller) or "none".
+    #[schemars(schema_with = "schema::compression")]
+    pub compression: Compression,
+}
+
+impl Default for Record {
+    fn default() -> Self {
+        Record {
+            file: "exchange.mcap".to_string(),
+            compression: Compression::Zstd,
+        }
+    }
 }
 
 /// How long to wait for an engine, all (s).

@@ -57,6 +57,7 @@ pub fn resolve(
         grains: table,
         engines: keys.engines,
         output: keys.output,
+        record: keys.record,
     }
 }
 
@@ -208,12 +209,6 @@ fn warnings(keys: &SceneFile) -> Vec<String> {
     }
     if keys.coupling.is_some() && (keys.fluid.is_none() || keys.grains.is_empty()) {
         warnings.push("[coupling] couples nothing: the scene has one phase only".to_string());
-    }
-    if let Some(record) = &keys.record {
-        let file = &record.file;
-        warnings.push(format!(
-            "record.file: {file} is not written, this version records nothing"
-        ));
     }
     warnings
 }

@@ -33,6 +33,10 @@ pub(super) fn viscous_form(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "enum": ["symmetric", "paper-literal"] })
 }
 
+pub(super) fn compression(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "enum": ["zstd", "none"] })
+}
+
 pub(super) fn diagonals(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "enum": ["alternate", "uniform"] })
 }

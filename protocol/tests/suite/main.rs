@@ -6,5 +6,7 @@ mod faults;
 mod header;
 mod monitor;
 mod processes;
+mod recording;
+mod recording_faults;
 mod runspaces;
 mod toy;

@@ -1,0 +1,291 @@
+//! Feeds the recorded inputs to one engine and compares its answers with the recorded ones.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::configure::MeshSource;
+use crate::engine::{InitialGrains, MeshDescription};
+use crate::error::Error;
+use crate::field::Field;
+use crate::header::Stage;
+use crate::links::{FROM_FLUID, FROM_PARTICLES, MESH, grain_slices};
+use crate::messages::{Advance, Configure, Hello, Role, ToCoupler, ToEngine};
+use crate::partner::Partner;
+
+use super::compare::Table;
+use super::entry::{Body, Entry, Key};
+use super::error::RecordingError;
+use super::reader::Reader;
+
+/// What a replay found.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Report {
+    /// Differences by field; the first value of each is the recorded one.
+    pub fields: Table,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Candidates that were compared.
+    pub answers: u64,
+    /// The engine that was recorded.
+    pub recorded: Option<Hello>,
+    /// The engine that was asked now.
+    pub replayed: Option<Hello>,
+    /// Why it could not go on to the end of the recording: the answers are of another kind.
+    pub stopped: Option<String>,
+    /// Recorded fields that were not compared: the engine is not asked for them.
+    pub left_out: Vec<&'static str>,
+}
+
+impl Report {
+    /// Is every field within the tolerance (of its largest magnitude), to the end?
+    pub fn within(&self, tolerance: f64) -> bool {
+        self.stopped.is_none() && self.fields.values().all(|row| row.within(tolerance))
+    }
+}
+
+/// Why a replay has no result.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// The recording.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The exchange with the engine.
+    #[error(transparent)]
+    Exchange(#[from] Error),
+}
+
+impl ReplayError {
+    /// The exit code of a process that ends with this error.
+    pub fn exit_code(&self) -> i32 {
+        match self {
+            ReplayError::Recording(error) => error.exit_code(),
+            ReplayError::Exchange(error) => error.exit_code(),
+        }
+    }
+}
+
+/// Play the coupler of this recording towards an engine that has said hello. A mesh file of the
+/// recording is written into `folder`; `accepted` hears of every accepted step and the time it began.
+pub fn replay(
+    reader: &mut Reader,
+    partner: &mut Partner,
+    folder: &Path,
+    accepted: impl FnMut(u64, f64),
+) -> Result<Report, ReplayError> {
+    let role = partner.hello().role;
+    let mut player = Player {
+        accepted,
+        time: 0.0,
+        partner,
+        role,
+        inputs: Vec::new(),
+        answers: Vec::new(),
+        failed: None,
+        report: Report::default(),
+    };
+    player.report.replayed = Some(player.partner.hello().clone());
+    while let Some(entry) = reader.next_entry()? {
+        if entry.seat == role && player.report.stopped.is_none() {
+            player.take(reader, folder, entry)?;
+        }
+    }
+    player.partner.finish()?;
+    Ok(player.report)
+}
+
+/// The state of a replay.
+struct Player<'a, F> {
+    accepted: F,
+    /// When the step began that was asked for last \[s\].
+    time: f64,
+    partner: &'a mut Partner,
+    role: Role,
+    /// Recorded inputs of the request that follows.
+    inputs: Vec<(Field, Vec<f64>)>,
+    /// What the engine answered to the last request.
+    answers: Vec<(Field, Vec<f64>)>,
+    /// Why it did not.
+    failed: Option<String>,
+    report: Report,
+}
+
+impl<F: FnMut(u64, f64)> Player<'_, F> {
+    fn take(&mut self, reader: &Reader, folder: &Path, entry: Entry) -> Result<(), ReplayError> {
+        let key = entry.key;
+        match entry.body {
+            Body::Field(field, values) if is_input(entry.header.stage) => {
+                self.inputs.push((field, values));
+            }
+            Body::Field(field, values) => self.compare(key, field, &values),
+            Body::Request(request) => self.request(reader, folder, key, request)?,
+            Body::Answer(answer) => self.answer(key, answer),
+            Body::Unreadable(_) => self.stop(key, "the recorded message is none".to_owned()),
+        }
+        Ok(())
+    }
+
+    fn stop(&mut self, key: Key, why: String) {
+        self.report.stopped = Some(format!("step {} pass {}: {why}", key.step, key.pass));
+    }
+
+    fn request(
+        &mut self,
+        reader: &Reader,
+        folder: &Path,
+        key: Key,
+        request: ToEngine,
+    ) -> Result<(), ReplayError> {
+        let inputs = std::mem::take(&mut self.inputs);
+        match request {
+            ToEngine::Configure(Configure::Fluid(mut scene)) => {
+                if let (MeshSource::File { path }, Some(content)) =
+                    (&mut scene.mesh, &reader.begin().mesh_file)
+                {
+                    let file = folder.join("mesh.msh");
+                    std::fs::write(&file, content).map_err(|error| {
+                        RecordingError::file("cannot write the mesh", &file, error)
+                    })?;
+                    *path = file.to_string_lossy().into_owned();
+                }
+                let mesh = self.partner.configure_fluid(&scene)?;
+                self.answers = mesh_fields(&mesh);
+            }
+            ToEngine::Configure(Configure::Particles { scene, .. }) => {
+                let grains = self
+                    .partner
+                    .configure_particles(&scene, &grains_of(&inputs))?;
+                let fields = grain_slices(&grains);
+                self.answers = fields
+                    .map(|(field, values)| (field, values.to_vec()))
+                    .into();
+            }
+            ToEngine::Advance(request) => self.advance(key, &request, &inputs)?,
+            ToEngine::Commit { step } => {
+                self.partner.commit(step)?;
+                self.report.steps += 1;
+                (self.accepted)(step, self.time);
+            }
+            ToEngine::Restore { .. } => {
+                return Err(RecordingError::NotReplayable {
+                    path: reader.path().to_path_buf(),
+                    why: format!(
+                        "the {} was restored from a checkpoint, which is not in the recording",
+                        self.role.seat()
+                    ),
+                }
+                .into());
+            }
+            ToEngine::Save { .. } | ToEngine::Finish => {}
+        }
+        Ok(())
+    }
+
+    /// A failure of the engine is an answer, to be compared with the recorded one; a lost or silent
+    /// engine is not.
+    fn advance(
+        &mut self,
+        key: Key,
+        request: &Advance,
+        inputs: &[(Field, Vec<f64>)],
+    ) -> Result<(), ReplayError> {
+        self.time = request.time;
+        let wanted: &[Field] = match self.role {
+            Role::Fluid => &FROM_FLUID,
+            Role::Particles => &FROM_PARTICLES,
+        };
+        self.answers = wanted.iter().map(|&field| (field, Vec::new())).collect();
+        let mut outputs: Vec<(Field, &mut Vec<f64>)> = self
+            .answers
+            .iter_mut()
+            .map(|(field, values)| (*field, values))
+            .collect();
+        let inputs: Vec<(Field, &[f64])> = inputs
+            .iter()
+            .map(|(field, values)| (*field, values.as_slice()))
+            .collect();
+        match self.partner.advance(request, &inputs, &mut outputs) {
+            Ok(_) => self.failed = None,
+            Err(Error::Engine { failure, .. }) => self.failed = Some(failure.why),
+            Err(error @ (Error::NotFinite { .. } | Error::Invalid { .. })) => {
+                self.stop(key, format!("its answer is refused: {error}"));
+            }
+            Err(error) => return Err(error.into()),
+        }
+        Ok(())
+    }
+
+    fn answer(&mut self, key: Key, answer: ToCoupler) {
+        match (answer, self.failed.take()) {
+            (ToCoupler::Hello(hello), _) => self.report.recorded = Some(hello),
+            (ToCoupler::Done(_), None) => self.report.answers += 1,
+            (ToCoupler::Done(_), Some(why)) => {
+                self.stop(
+                    key,
+                    format!("it failed where the recorded one did not: {why}"),
+                );
+            }
+            (ToCoupler::Failed(failure), None) if key.step > 0 => {
+                let why = format!("it answered where the recorded one failed: {}", failure.why);
+                self.stop(key, why);
+            }
+            (ToCoupler::Failed(_), _) => self.report.answers += 1,
+            (ToCoupler::Ready(_) | ToCoupler::Stored, _) => {}
+        }
+    }
+
+    fn compare(&mut self, key: Key, field: Field, recorded: &[f64]) {
+        let Some((_, found)) = self.answers.iter().find(|(answer, _)| *answer == field) else {
+            if !self.report.left_out.contains(&field.name()) {
+                self.report.left_out.push(field.name());
+            }
+            return;
+        };
+        let row = self
+            .report
+            .fields
+            .entry(field.name().to_owned())
+            .or_default();
+        if let Err(why) = row.add(key, field.components(), recorded, found) {
+            let why = format!(
+                "{} has {why} (recorded, now): nothing to compare",
+                field.name()
+            );
+            self.stop(key, why);
+        }
+    }
+}
+
+fn is_input(stage: u32) -> bool {
+    stage == Stage::Configure as u32 || stage == Stage::Advance as u32
+}
+
+fn mesh_fields(mesh: &MeshDescription) -> Vec<(Field, Vec<f64>)> {
+    let corners = mesh.triangles.iter().flatten();
+    let values = [
+        mesh.node_position.clone(),
+        corners.map(|&node| f64::from(node)).collect(),
+        mesh.triangle_position.as_flattened().to_vec(),
+        mesh.nodal_mass.clone(),
+    ];
+    MESH.into_iter().zip(values).collect()
+}
+
+/// A grain field that is missing is empty, and refused by the partner.
+fn grains_of(fields: &[(Field, Vec<f64>)]) -> InitialGrains {
+    let of = |wanted: Field| {
+        fields
+            .iter()
+            .find(|(field, _)| *field == wanted)
+            .map(|(_, values)| values.clone())
+            .unwrap_or_default()
+    };
+    InitialGrains {
+        position: of(Field::GrainPosition),
+        velocity: of(Field::GrainVelocity),
+        radius: of(Field::GrainRadius),
+        mass: of(Field::GrainMass),
+        volume: of(Field::GrainVolume),
+        fixed: of(Field::GrainFixed),
+    }
+}

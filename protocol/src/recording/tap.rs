@@ -1,0 +1,160 @@
+//! A channel that hands a copy of all that passes to a recorder, and is otherwise the channel in it.
+
+use std::time::Duration;
+
+use crate::channel::{Channel, Loan, Received, Wait};
+use crate::codec;
+use crate::error::Error;
+use crate::field::Field;
+use crate::header::{FieldHeader, Stage};
+use crate::messages::{Role, ToEngine};
+
+use super::entry::Kind;
+use super::writer::{Feed, Payload};
+
+/// The coupler's end of a link, recorded. Copies are made after sending, while the engine works.
+pub(super) struct Tap {
+    pub(super) inner: Box<dyn Channel>,
+    pub(super) role: Role,
+    pub(super) feed: Feed,
+}
+
+impl Tap {
+    fn field(&self, field: Field, header: FieldHeader, values: &[f64]) {
+        self.feed.take(
+            self.role,
+            Kind::Field(field),
+            header,
+            values.len() * 8,
+            || Payload::Numbers(values.to_vec()),
+        );
+    }
+
+    fn message(&self, kind: Kind, header: FieldHeader, bytes: &[u8]) {
+        self.feed.take(self.role, kind, header, bytes.len(), || {
+            Payload::Bytes(bytes.to_vec())
+        });
+    }
+
+    fn answer(&self, message: &(FieldHeader, Vec<u8>)) {
+        self.message(Kind::Answer, message.0, &message.1);
+    }
+}
+
+impl Channel for Tap {
+    fn peer(&self) -> &str {
+        self.inner.peer()
+    }
+
+    fn send_message(&mut self, header: FieldHeader, bytes: &[u8]) -> Result<bool, Error> {
+        let sent = self.inner.send_message(header, bytes)?;
+        if sent {
+            let advance = matches!(codec::decode(bytes), Ok(ToEngine::Advance(_)));
+            if advance {
+                self.feed.enter(self.role, header.step, header.pass);
+            }
+            self.message(Kind::Request, header, bytes);
+            if advance {
+                self.feed.asked(self.role, header.pass);
+            }
+        }
+        Ok(sent)
+    }
+
+    fn poll_message(&mut self) -> Result<Option<(FieldHeader, Vec<u8>)>, Error> {
+        let message = self.inner.poll_message()?;
+        if let Some(message) = &message {
+            self.answer(message);
+        }
+        Ok(message)
+    }
+
+    fn receive_message(&mut self, wait: Wait<'_>) -> Result<(FieldHeader, Vec<u8>), Error> {
+        let message = self.inner.receive_message(wait)?;
+        self.answer(&message);
+        Ok(message)
+    }
+
+    fn loan_field(&mut self, field: Field, header: FieldHeader) -> Result<Box<dyn Loan>, Error> {
+        Ok(Box::new(TappedLoan {
+            inner: self.inner.loan_field(field, header)?,
+            role: self.role,
+            field,
+            header,
+            feed: self.feed.clone(),
+        }))
+    }
+
+    fn send_field(
+        &mut self,
+        field: Field,
+        header: FieldHeader,
+        values: &[f64],
+    ) -> Result<(), Error> {
+        self.inner.send_field(field, header, values)?;
+        if header.stage == Stage::Advance as u32 {
+            self.feed.enter(self.role, header.step, header.pass);
+        }
+        self.field(field, header, values);
+        Ok(())
+    }
+
+    fn receive_field(&mut self, field: Field, wait: Wait<'_>) -> Result<Box<dyn Received>, Error> {
+        let received = self.inner.receive_field(field, wait)?;
+        self.field(field, *received.header(), received.values());
+        Ok(received)
+    }
+
+    fn idle(&mut self, wait: Wait<'_>, limit: Duration) -> Result<(), Error> {
+        self.inner.idle(wait, limit)
+    }
+
+    fn wait_for_leave(&mut self, limit: Duration) -> bool {
+        self.inner.wait_for_leave(limit)
+    }
+
+    fn has_reader(&mut self) -> Result<bool, Error> {
+        self.inner.has_reader()
+    }
+
+    fn culprit(&mut self) -> String {
+        self.inner.culprit()
+    }
+
+    fn anyone_is_lost(&self) -> bool {
+        self.inner.anyone_is_lost()
+    }
+
+    fn peer_is_gone(&self) -> bool {
+        self.inner.peer_is_gone()
+    }
+}
+
+/// A buffer that is copied when it is sent.
+struct TappedLoan {
+    inner: Box<dyn Loan>,
+    role: Role,
+    field: Field,
+    header: FieldHeader,
+    feed: Feed,
+}
+
+impl Loan for TappedLoan {
+    fn values(&mut self) -> &mut [f64] {
+        self.inner.values()
+    }
+
+    fn send(mut self: Box<Self>) -> Result<(), Error> {
+        if self.header.stage == Stage::Advance as u32 {
+            self.feed
+                .enter(self.role, self.header.step, self.header.pass);
+        }
+        // After sending, the buffer belongs to the receiver.
+        let values = self.inner.values();
+        let (kind, bytes) = (Kind::Field(self.field), values.len() * 8);
+        self.feed.take(self.role, kind, self.header, bytes, || {
+            Payload::Numbers(values.to_vec())
+        });
+        self.inner.send()
+    }
+}
