@@ -8,7 +8,7 @@ use protocol::messages::Role;
 const EXIT_CODES: &str = "\
 Exit codes:
   0 ok                     5 partner lost
-  1 differences (replay, diff: outside the tolerance)
+  1 outside the tolerance (replay, diff), or a check failed (conform)
   2 usage, scene or file   6 time limit
   3 handshake or version   7 not finite, or an invariant broken
   4 engine failed          8 not converged
