@@ -142,6 +142,55 @@ fn the_first_fall_velocity_of_a_creeping_cloud_converges_to_the_spectral_solutio
 }
 
 #[test]
+fn a_loose_stiff_cloud_falls_the_same_whichever_response_the_fluid_is_told() {
+    // λ = ½ for every grain makes the fluid's drag and its nodal products quite different; what is
+    // converged must not depend on it. Without the deferred correction it does.
+    let velocities = |lambda: Option<f64>, correction: bool| {
+        let mut cloud = Cloud::in_tall_box(4);
+        (cloud.count, cloud.solid_fraction, cloud.gravity) = (400, 0.4, 9.81);
+        let mut scene = cloud.scene(1.0);
+        let mut grains = cloud.grains();
+        grains.radius.iter_mut().for_each(|radius| *radius *= 0.3); // no contacts
+        let drag = 11.52 * VISCOSITY * 0.6_f64.powf(-2.8);
+        let dt = 1e3 * grains.mass[0] / drag;
+        scene.coupling_step = dt;
+        scene.scheme = Scheme::Iterated {
+            tolerance: 1e-6,
+            passes_max: 400,
+        };
+        let mut coupling = couple(scene, &grains);
+        coupling.options.lambda = lambda;
+        coupling.options.deferred_correction = correction;
+        let mut passes = 0;
+        for _ in 0..8 {
+            passes += advance(&mut coupling, dt).passes;
+        }
+        (coupling.grains.velocity.clone(), f64::from(passes) / 8.0)
+    };
+    let (free, passes_free) = velocities(None, true);
+    let (half, passes_half) = velocities(Some(0.5), true);
+    let (without, _) = velocities(Some(0.5), false);
+    let largest = free.iter().fold(0.0_f64, |max, v| max.max(v.abs()));
+    let distance = |other: &[f64]| {
+        let pairs = free.iter().zip(other);
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest
+    };
+    println!("| response | passes a step | largest difference of a velocity |");
+    println!("| λ = 1 | {passes_free} | |");
+    println!("| λ = ½ | {passes_half} | {:.1e} |", distance(&half));
+    println!(
+        "| λ = ½, no deferred correction | | {:.1e} |",
+        distance(&without)
+    );
+    assert!(distance(&half) < 1e-4, "{}", distance(&half));
+    assert!(
+        distance(&without) > 1e-2,
+        "this test no longer sees the correction: {}",
+        distance(&without)
+    );
+}
+
+#[test]
 fn dense_clouds_fall_faster_by_the_viscosity_of_their_porosity() {
     // ratio of the fall velocity to that of the dilute limit, symmetric stress with viscosity φμ:
     // 1 − φ-dependent closed form in the equivalent circle (cloud_in_circle.csv)
