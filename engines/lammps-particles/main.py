@@ -12,6 +12,7 @@ Every `Advance` begins from the restart file of the accepted state: the same req
 
 import argparse
 import ctypes
+import glob
 import os
 import shutil
 import sys
@@ -37,14 +38,21 @@ class Lammps(sillage.ParticleEngine):
 
     def __init__(self, overlap, speed):
         self.overlap, self.speed = overlap, speed
-        self.folder = tempfile.mkdtemp(prefix="sillage-lammps-")
+        self.folder = None
         self.lmp = lammps(cmdargs=["-screen", "none", "-log", "none", "-nocite"])
+        # MPICH makes a file for processes to share and leaves it behind; nobody shares with this one.
+        for path in glob.glob(f"/dev/shm/mpich_shm_{os.getpid():x}_*"):
+            os.unlink(path)
 
     def close(self):
         self.lmp.close()
-        shutil.rmtree(self.folder, ignore_errors=True)
+        if self.folder:
+            shutil.rmtree(self.folder, ignore_errors=True)
 
     def configure(self, scene, grains):
+        # Restart files lie in the run's own folder, which goes with the run however it ends.
+        run = os.path.join("/dev/shm", f"sillage-{os.environ.get('SILLAGE_RUN', '')}")
+        self.folder = tempfile.mkdtemp(prefix="sillage-lammps-", dir=run if os.path.isdir(run) else None)
         self.scene, self.grains = scene, grains
         self.walls = planes(scene["walls"])
         self.gravity = np.array(scene["gravity"])
