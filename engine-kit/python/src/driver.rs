@@ -99,8 +99,14 @@ impl Driver {
     fn new(py: Python<'_>, role: &str, seat: Py<PyAny>) -> PyResult<Driver> {
         let role = role_of(role)?;
         let mut parts = Parts::new(py, &seat)?;
-        let partner =
-            py.detach(move || Here(local::spawn(role, move |link| parts.serve(role, link))));
+        let partner = py.detach(move || {
+            Here(local::spawn(role, move |link| {
+                let served = parts.serve(role, link);
+                // With the interpreter, or the engine would live until somebody else calls it.
+                Python::attach(|_| drop(parts));
+                served
+            }))
+        });
         let partner = partner
             .into_inner()
             .map_err(|e| failure::to_exception(&e))?;
