@@ -14,7 +14,9 @@ import argparse
 import ctypes
 import glob
 import os
+import re
 import shutil
+import struct
 import sys
 import tempfile
 import weakref
@@ -30,6 +32,7 @@ except (ImportError, OSError) as missing:
     sys.exit(4)
 
 FRICTION_DAMPING = 0.5  # of the normal one
+HISTORY = "NEIGH_HISTORY_HH"
 
 
 class Lammps(sillage.ParticleEngine):
@@ -162,11 +165,20 @@ class Lammps(sillage.ParticleEngine):
 
     def begin(self):
         """The accepted state, from its file."""
+        with open(self.file("accepted"), "rb") as file:
+            state = file.read()
+        with open(self.file("start"), "wb") as file:
+            file.write(rename_history(state, self.history_number() + 1))
         self.lmp.command("clear")
         self.lmp.commands_list(["atom_style sphere", "atom_modify map array", "newton off"])
-        self.lmp.command(f"read_restart {self.file('accepted')}")
+        self.lmp.command(f"read_restart {self.file('start')}")
         self.lmp.command("comm_modify vel yes")
         self.model()
+
+    def history_number(self):
+        """Number of the present pair style: LAMMPS counts them, and never back."""
+        names = [name for name in self.lmp.available_ids("fix") if name.startswith(HISTORY)]
+        return int(names[0].removeprefix(HISTORY).removeprefix("_DUMMY"))
 
     def advance(self, request, inputs, outputs):
         drag, g = inputs.grain_drag.copy(), self.grains
@@ -259,6 +271,19 @@ class Lammps(sillage.ParticleEngine):
         if self.lmp.get_natoms() != len(self.grains):
             raise sillage.SceneError(f"{path} holds {self.lmp.get_natoms()} grains, not {len(self.grains)}")
         self.grains.position, self.grains.velocity = self.gather("x"), self.gather("v")
+
+
+def rename_history(state, number):
+    """A restart file holds the shear of contacts under the number of the pair style that wrote it, and
+    gives it back to no other: put the next number there. Names are preceded by their length."""
+
+    def named(name):
+        return struct.pack("=i", len(name) + 1) + name + b"\0"
+
+    old = set(re.findall(HISTORY.encode() + rb"\d+", state))
+    for name in old:
+        state = state.replace(named(name), named(f"{HISTORY}{number}".encode()))
+    return state
 
 
 def planes(walls):

@@ -17,12 +17,13 @@ try:
     import numpy as np
     import scipy.sparse
     import sillage
+    from scipy.spatial import cKDTree
     from migflow import scontact
 except (ImportError, OSError) as missing:
     print(f"error: {missing}: run engines/set-up scontact-particles", file=sys.stderr)
     sys.exit(4)
 
-PARTICLE_PARTICLE, PARTICLE_SEGMENT = 0, 1
+PARTICLE_SEGMENT = 1  # contact_type; 0 is of two grains
 #: Part of the smallest radius that two grains may come closer in a sub-step.
 APPROACH = 0.5
 #: Radii a grain may move in a sub-step: contacts are looked for that far.
@@ -99,12 +100,11 @@ class Scontact(sillage.ParticleEngine):
         outputs.grain_velocity[:] = velocity
         outputs.grain_mean_velocity[:] = (position - start) / request.dt
         outputs.grain_contact[:] = self.contact_state(contacts)
-        touching = np.concatenate(contacts) if contacts else np.empty((0, 3))
         energy = 0.5 * (self.grains.mass[:, None] * velocity**2)[self.movable].sum()
         return {
             "sub_steps": sub_steps,
-            "contacts": 0 if not contacts else len(contacts[-1]),
-            "penetration_max": self.penetration(contacts[-1]) if len(touching) else 0.0,
+            "contacts": len(contacts[-1]),
+            "penetration_max": self.penetration(),
             "kinetic_energy": energy,
         }
 
@@ -170,14 +170,16 @@ class Scontact(sillage.ParticleEngine):
         state = touches[:count] * np.where(label[:count] == label[count], 2, 1)
         return np.where(self.grains.fixed, 2, state)
 
-    def penetration(self, rows):
-        """Deepest overlap of grains with an active contact, of the smaller radius."""
-        pairs = rows[rows[:, 2] == 0][:, :2]
+    def penetration(self):
+        """Deepest overlap of two grains, of the smaller radius."""
         position, radius = self.candidate[0], self.grains.radius
-        i, j = pairs[:, 0], pairs[:, 1]
+        pairs = cKDTree(position[: len(radius)]).query_pairs(2.0 * radius.max(), output_type="ndarray")
+        if len(pairs) == 0:
+            return 0.0
+        i, j = pairs.T
         apart = np.linalg.norm(position[i] - position[j], axis=1)
         depth = (radius[i] + radius[j] - apart) / np.minimum(radius[i], radius[j])
-        return max(depth.max(initial=0.0), 0.0)
+        return max(float(depth.max()), 0.0)
 
     def commit(self):
         self.accepted, self.candidate = self.candidate, None

@@ -190,3 +190,21 @@ def test_lammps_counts_positions_across_a_period(tmp_path):
             driver.commit()
         assert np.allclose(found.grain_position, [[0.25, 0.0], [-0.75, 0.05]])
         assert np.allclose(found.grain_mean_velocity[:, 0], [1.0, -2.0])
+
+
+def test_lammps_remembers_friction_from_one_advance_to_the_next(tmp_path):
+    """A grain wedged between two fixed ones leans on friction: where it rests depends on its history."""
+    places = []
+    for parts in (1, 10, 100):
+        engine = smooth(tmp_path)
+        with ParticleDriver(engine) as driver:
+            grains = disks([[-0.005, 0.0], [0.005, 0.0], [0.0, 0.00866]], fixed=[True, True, False])
+            driver.configure(scene(friction=0.5, gravity=[3.0, -G]), grains)
+            dt = 26700 * engine.contact_step * (1.0 - 1e-9)  # the same sub-step in all
+            for _ in range(parts):
+                found = driver.advance(dt / parts)
+                driver.commit()
+        places.append(found.grain_position[2])
+    apart = np.abs(np.array(places) - places[0]).max() / 0.005
+    print(f"\nlargest difference {apart:.1e} r")
+    assert apart < 1e-12
