@@ -21,3 +21,8 @@ run scene *arguments:
 # The pages of the code, in the browser.
 doc:
     cargo doc --release --workspace --no-deps --open
+
+# The Python package and engines: set up once with engines/set-up.
+test-python:
+    engines/.venv/bin/python -m pytest engine-kit/python/tests
+    engines/.venv/bin/python -m pytest engines/tests

@@ -85,7 +85,8 @@ fn third_law(coupling: &Coupling, outcome: &Outcome) -> (f64, f64) {
         let on_grains: f64 = (0..grains.count())
             .map(|i| {
                 let k = 2 * i + axis;
-                let owed = outcome.model.drag[i] * outcome.residual[k] - grains.carried[k];
+                let owed = outcome.model.drag[i] * outcome.residual[k] + outcome.lagged[k]
+                    - grains.carried[k];
                 outcome.force[k] - outcome.model.drag[i] * outcome.grains.mean_velocity[k] + owed
             })
             .sum();

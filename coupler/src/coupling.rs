@@ -9,6 +9,7 @@ use crate::budget::{self, Budget};
 use crate::drag::{self, Shape};
 use crate::engines::{FluidSeat, GrainCandidate, ParticleSeat, Request};
 use crate::error::CouplerError;
+use crate::proximity;
 use crate::response::{self, FluidState, Model, NodalResponse};
 use crate::scheme::{Outcome, TOUCHES};
 use crate::transfer::{Placement, Transfer};
@@ -433,7 +434,25 @@ impl Coupling {
     ) -> Result<GrainCandidate, CouplerError> {
         let tolerance = self.contact_tolerance();
         let seat = self.particles.as_mut().expect("the scene has grains");
-        seat.advance(request, Some((drag, force)), sub_steps, tolerance)
+        let mut candidate = seat.advance(request, Some((drag, force)), sub_steps, tolerance)?;
+        if let (false, Some(part)) = (self.tells_contacts(), &self.scene.particles) {
+            let may_touch = proximity::may_touch(&self.grains, part, request.dt);
+            let state = |may| if may { TOUCHES } else { 0.0 };
+            candidate.contact = may_touch.into_iter().map(state).collect();
+        }
+        Ok(candidate)
+    }
+
+    /// Does the particle engine say who touches, and who is held?
+    pub(crate) fn tells_contacts(&self) -> bool {
+        let seat = self.particles.as_ref();
+        seat.is_none_or(ParticleSeat::tells_contacts)
+    }
+
+    /// Does the fluid engine take c and κ into its equations?
+    pub(crate) fn takes_affine_response(&self) -> bool {
+        let seat = self.fluid.as_ref();
+        seat.is_none_or(FluidSeat::takes_affine_response)
     }
 
     /// Contact residual asked for: that of the scene, and well below the defect that ends the passes,

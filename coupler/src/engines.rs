@@ -2,7 +2,7 @@
 
 use protocol::engine::{InitialGrains, MeshDescription};
 use protocol::field::Field;
-use protocol::messages::{Advance, Diagnostic, Hello};
+use protocol::messages::{Advance, Capability, Diagnostic, Hello};
 use protocol::partner::Partner;
 
 use crate::error::CouplerError;
@@ -70,6 +70,11 @@ impl FluidSeat {
         self.partner.hello()
     }
 
+    /// Does it take the entrained fraction c and the mobility κ?
+    pub fn takes_affine_response(&self) -> bool {
+        has(self.hello(), Capability::AffineResponse)
+    }
+
     /// The engine behind the seat.
     pub fn partner(&mut self) -> &mut Partner {
         &mut self.partner
@@ -82,16 +87,19 @@ impl FluidSeat {
         response: Option<&NodalResponse>,
     ) -> Result<FluidState, CouplerError> {
         let begin = std::time::Instant::now();
-        let inputs: Vec<(Field, &[f64])> = response.map_or_else(Vec::new, |fields| {
+        let mut inputs: Vec<(Field, &[f64])> = response.map_or_else(Vec::new, |fields| {
             vec![
                 (Field::Porosity, fields.porosity.as_slice()),
                 (Field::Drag, &fields.drag),
                 (Field::DragSource, &fields.drag_source),
-                (Field::EntrainedFraction, &fields.entrained_fraction),
                 (Field::SolidFlux, &fields.solid_flux),
+                (Field::EntrainedFraction, &fields.entrained_fraction),
                 (Field::SolidMobility, &fields.solid_mobility),
             ]
         });
+        if !self.takes_affine_response() {
+            inputs.truncate(4);
+        }
         let mut state = FluidState::default();
         let mut outputs = [
             (Field::InterstitialVelocity, &mut state.velocity),
@@ -154,6 +162,11 @@ impl ParticleSeat {
         self.partner.hello()
     }
 
+    /// Does it tell which grains a wall holds?
+    pub fn tells_contacts(&self) -> bool {
+        has(self.hello(), Capability::ContactState)
+    }
+
     /// The engine behind the seat.
     pub fn partner(&mut self) -> &mut Partner {
         &mut self.partner
@@ -190,6 +203,10 @@ impl ParticleSeat {
         self.wall += begin.elapsed().as_secs_f64();
         Ok(candidate)
     }
+}
+
+fn has(hello: &Hello, capability: Capability) -> bool {
+    hello.capabilities.contains(&capability)
 }
 
 /// The value of a diagnostic, if the engine reported it.

@@ -13,6 +13,7 @@ pub mod error;
 pub mod input;
 pub mod locate;
 pub mod observe;
+pub mod proximity;
 pub mod record;
 pub mod response;
 pub mod run;

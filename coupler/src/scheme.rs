@@ -15,6 +15,11 @@
 //! λ = 1 is exact for a grain without contact, so a free cloud takes one pass. λ = 0 for grains
 //! that contacts hold to a wall; if that proves wrong they get ½, which contracts for every
 //! frictionless contact set (the pass is then a Peaceman–Rachford step on the contact problem).
+//!
+//! Engines that can do less: where the grains' contacts are not told, λ = ½ for every grain that may
+//! touch something (proximity.rs). A fluid without the affine response is given c = κ = 0, so that the
+//! deferred correction holds all of both, at the last known w* and G*; passes then go on until these
+//! stand still.
 
 use protocol::configure::Scheme;
 
@@ -64,7 +69,9 @@ pub struct Outcome {
     pub defect: Defect,
     /// Fluid solves.
     pub passes: u32,
-    /// γ r to hand to the next step \[N\].
+    /// V A N (G* − G): pressure force that a fluid without c was not given \[N\].
+    pub lagged: Vec<f64>,
+    /// γ r, and what lagged, to hand to the next step \[N\].
     pub carried: Vec<f64>,
 }
 
@@ -100,8 +107,7 @@ impl Coupling {
         loop {
             let mut outcome = self.pass(&mut iteration, &placement, dt, pass)?;
             let change = self.correction_change(&iteration, &placement, &outcome);
-            let converged =
-                outcome.defect.relative <= tolerance && (pass == 1 || change <= tolerance);
+            let converged = outcome.defect.relative <= tolerance && change <= tolerance;
             self.log_pass(&iteration, &outcome, change);
             if converged {
                 outcome.carried = carried_force(&outcome);
@@ -197,7 +203,6 @@ impl Coupling {
             dt,
         );
         Ok(Outcome {
-            fluid,
             grains,
             placement: placement.clone(),
             model: iteration.model.clone(),
@@ -206,8 +211,28 @@ impl Coupling {
             residual,
             defect,
             passes: pass,
+            lagged: self.lagged_force(iteration, placement, &fluid),
             carried: Vec::new(),
+            fluid,
         })
+    }
+
+    fn lagged_force(
+        &self,
+        iteration: &Iteration,
+        placement: &Placement,
+        fluid: &FluidState,
+    ) -> Vec<f64> {
+        let (old, new) = (&iteration.known.pressure_gradient, &fluid.pressure_gradient);
+        if self.takes_affine_response() {
+            return vec![0.0; 2 * self.grains.count()];
+        }
+        let change: Vec<f64> = old.iter().zip(new).map(|(old, new)| old - new).collect();
+        let mut force = self.transfer().sample_vector(placement, &change);
+        for (k, value) in force.iter_mut().enumerate() {
+            *value *= iteration.model.volume[k / 2] * iteration.model.follow(k / 2);
+        }
+        force
     }
 
     fn log_pass(&self, iteration: &Iteration, outcome: &Outcome, change: f64) {
@@ -364,10 +389,13 @@ impl Coupling {
 
     /// λ by the contact state of a candidate (none: all free); fixed grains have 0.
     fn choose_lambda(&self, model: &mut Model, contact: &[f64]) {
+        let told = self.tells_contacts();
         for (grain, lambda) in model.lambda.iter_mut().enumerate() {
-            let held = contact.get(grain).is_some_and(|&state| state >= HELD);
-            *lambda = if held || self.grains.fixed[grain] {
+            let is = |state: f64| contact.get(grain).is_some_and(|&own| own >= state);
+            *lambda = if is(HELD) || self.grains.fixed[grain] {
                 0.0
+            } else if is(TOUCHES) && !told {
+                0.5
             } else {
                 self.options.lambda.unwrap_or(1.0)
             };
@@ -430,7 +458,7 @@ impl Coupling {
         placement: &Placement,
         outcome: &Outcome,
     ) -> f64 {
-        if outcome.passes == 1 {
+        if outcome.passes == 1 && self.takes_affine_response() {
             return 0.0; // lagged by a step, as for a free cloud
         }
         let before = self.correction(iteration, placement, &iteration.known).0;
@@ -445,7 +473,12 @@ impl Coupling {
         porosity: &[f64],
         model: &Model,
     ) -> NodalResponse {
-        response::matrix_fields(self.transfer(), placement, porosity, model)
+        let mut fields = response::matrix_fields(self.transfer(), placement, porosity, model);
+        if !self.takes_affine_response() {
+            fields.entrained_fraction.fill(0.0);
+            fields.solid_mobility.fill(0.0);
+        }
+        fields
     }
 }
 
@@ -467,7 +500,7 @@ fn carried_force(outcome: &Outcome) -> Vec<f64> {
         .residual
         .iter()
         .enumerate()
-        .map(|(k, r)| share * outcome.model.drag[k / 2] * r)
+        .map(|(k, r)| share * outcome.model.drag[k / 2] * r + outcome.lagged[k])
         .collect()
 }
 

@@ -108,8 +108,15 @@ impl Evidence<'_> {
             .processes
             .iter()
             .find(|process| !lost_or_well(process))?;
+        // What it said last is most often the reason, and the remedy.
+        let said = process.last_words(1).concat();
+        let said = if said.is_empty() {
+            said
+        } else {
+            format!(" ({said})")
+        };
         let why = format!(
-            "the {} {} {}{}",
+            "the {} {}{said} {}{}",
             process.seat,
             process.ending(),
             self.moment(),

@@ -1,6 +1,7 @@
 //! Tests of the orchestrator, in one binary.
 
 mod background;
+mod commands;
 mod kills;
 mod pictures;
 mod populations;

@@ -17,7 +17,7 @@ pub enum Role {
 /// What an engine can do beyond the minimum; the coupler adapts to what is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Capability {
-    /// Fluid: takes the affine solid response (entrained fraction, solid mobility), not only β and s.
+    /// Fluid: takes the affine solid response (entrained fraction, solid mobility), not only β, s and j⁰.
     AffineResponse,
     /// Particles: `GrainDrag` enters the free velocity and the contact operator implicitly.
     ImplicitDrag,

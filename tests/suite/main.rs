@@ -5,6 +5,7 @@ mod architecture;
 mod bed;
 mod cloud;
 mod column;
+mod lesser;
 mod one_grain;
 mod packing;
 mod replay;

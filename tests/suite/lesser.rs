@@ -1,0 +1,166 @@
+//! Engines that can do less: the coupler makes up for it, with more passes and the same answer.
+
+use coupler::coupling::Coupling;
+use fluid_solver::serve::Engine as Fluid;
+use particle_solver::serve::Engine as Particles;
+use protocol::configure::{CouplerScene, FluidScene, ParticleScene, Scheme};
+use protocol::engine::{
+    FluidAnswer, FluidEngine, FluidForces, GrainAnswer, InitialGrains, MeshDescription,
+    ParticleEngine, SolidResponse,
+};
+use protocol::local::{spawn_fluid, spawn_particles};
+use protocol::messages::{Advance, Capability, Diagnostic, Failure};
+use std::path::Path;
+use tests::grains::{disks, sunflower};
+use tests::{box_walls, fluid, mean, particles, scene};
+
+/// The built-in fluid without c and κ.
+#[derive(Default)]
+struct PlainFluid(Fluid);
+
+impl FluidEngine for PlainFluid {
+    fn identity(&self) -> (&'static str, &'static str) {
+        ("plain-fluid", "0")
+    }
+    fn capabilities(&self) -> Vec<Capability> {
+        Vec::new()
+    }
+    fn configure(&mut self, scene: &FluidScene) -> Result<MeshDescription, Failure> {
+        self.0.configure(scene)
+    }
+    fn advance(
+        &mut self,
+        request: &Advance,
+        solid: &SolidResponse<'_>,
+        answer: FluidAnswer<'_>,
+    ) -> Result<Vec<Diagnostic>, Failure> {
+        assert!(solid.entrained_fraction.is_none() && solid.solid_mobility.is_none());
+        self.0.advance(request, solid, answer)
+    }
+    fn commit(&mut self) -> Result<(), Failure> {
+        self.0.commit()
+    }
+    fn save(&mut self, path: &Path) -> Result<(), Failure> {
+        self.0.save(path)
+    }
+    fn restore(&mut self, path: &Path) -> Result<(), Failure> {
+        self.0.restore(path)
+    }
+}
+
+/// The built-in grains that do not tell who touches.
+#[derive(Default)]
+struct SilentGrains(Particles);
+
+impl ParticleEngine for SilentGrains {
+    fn identity(&self) -> (&'static str, &'static str) {
+        ("silent-grains", "0")
+    }
+    fn capabilities(&self) -> Vec<Capability> {
+        vec![Capability::ImplicitDrag]
+    }
+    fn configure(
+        &mut self,
+        scene: &ParticleScene,
+        grains: InitialGrains,
+    ) -> Result<InitialGrains, Failure> {
+        self.0.configure(scene, grains)
+    }
+    fn advance(
+        &mut self,
+        request: &Advance,
+        forces: &FluidForces<'_>,
+        answer: GrainAnswer<'_>,
+    ) -> Result<Vec<Diagnostic>, Failure> {
+        let GrainAnswer {
+            position,
+            velocity,
+            mean_velocity,
+            contact,
+        } = answer;
+        let own = GrainAnswer {
+            position,
+            velocity,
+            mean_velocity,
+            contact: &mut *contact,
+        };
+        let diagnostics = self.0.advance(request, forces, own)?;
+        contact.fill(0.0);
+        Ok(diagnostics)
+    }
+    fn commit(&mut self) -> Result<(), Failure> {
+        self.0.commit()
+    }
+    fn save(&mut self, path: &Path) -> Result<(), Failure> {
+        self.0.save(path)
+    }
+    fn restore(&mut self, path: &Path) -> Result<(), Failure> {
+        self.0.restore(path)
+    }
+}
+
+const RADIUS: f64 = 3.708e-3;
+
+/// A cloud in glycerine, a = γΔt/m of its grains between 10 and 1e3.
+fn cloud(solid_fraction: f64, count: usize, steps: usize) -> (CouplerScene, InitialGrains) {
+    let gravity = [0.0, -9.81];
+    let (lower, upper) = ([-5.0 * RADIUS, 0.0], [5.0 * RADIUS, 15.0 * RADIUS]);
+    let mut part = fluid(1200.0, 0.12, gravity, lower, upper, [40, 60]);
+    part.convection = true;
+    let mut grain_part = particles(gravity);
+    grain_part.walls = box_walls(lower, upper);
+    let mut scene = scene(Some(part), Some(grain_part), 5.5e-3, steps);
+    scene.scheme = Scheme::Iterated {
+        tolerance: 1e-3,
+        passes_max: 40,
+    };
+    let grain_radius = RADIUS * (solid_fraction / count as f64).sqrt();
+    let centres = sunflower([0.0, 11.0 * RADIUS], RADIUS, count);
+    (scene, disks(&centres, &vec![grain_radius; count], 2400.0))
+}
+
+/// Run a scene; fall speed at the end, and the most passes of a step.
+fn run(scene: &CouplerScene, grains: &InitialGrains, plain: bool, silent: bool) -> (f64, u32, f64) {
+    let fluid = match plain {
+        true => spawn_fluid(PlainFluid::default),
+        false => spawn_fluid(Fluid::default),
+    };
+    let particles = match silent {
+        true => spawn_particles(SilentGrains::default),
+        false => spawn_particles(Particles::default),
+    };
+    let (fluid, particles) = (fluid.expect("a fluid"), particles.expect("grains"));
+    let mut coupling = Coupling::new(scene.clone(), Some(fluid), Some(particles), grains)
+        .unwrap_or_else(|error| panic!("{error}"));
+    let steps = (scene.end_time / scene.coupling_step).round() as usize;
+    let (mut passes, mut third_law) = (0, 0.0_f64);
+    for _ in 0..steps {
+        let report = coupling
+            .advance(scene.coupling_step)
+            .unwrap_or_else(|error| panic!("plain {plain}, silent {silent}: {error}"));
+        passes = passes.max(report.passes);
+        third_law = third_law.max(report.budget.third_law_defect);
+    }
+    (-mean(&coupling.grains.velocity, 1), passes, third_law)
+}
+
+#[test]
+fn engines_that_can_do_less_give_the_same_cloud_with_more_passes() {
+    println!("| solid fraction | fluid | grains | fall speed | passes | third law |");
+    for solid_fraction in [0.05, 0.2] {
+        let (scene, grains) = cloud(solid_fraction, 300, 8);
+        let (reference, ..) = run(&scene, &grains, false, false);
+        for (plain, silent) in [(false, false), (true, false), (false, true), (true, true)] {
+            let (speed, passes, third_law) = run(&scene, &grains, plain, silent);
+            let fluid = if plain { "without c, κ" } else { "affine" };
+            let told = if silent { "silent" } else { "told" };
+            println!(
+                "| {solid_fraction} | {fluid} | {told} | {speed:.6e} | {passes} | {third_law:.1e} |"
+            );
+            let off = (speed / reference - 1.0).abs();
+            assert!(off < 1e-2, "{speed} {reference}");
+            assert!(third_law < 1e-9);
+            assert!(passes <= 10);
+        }
+    }
+}
