@@ -2,6 +2,8 @@
 //!
 //! `cargo bench -p coupler`: 10 000 grains on the mesh of `scenes/cloud.toml` (80 × 240 cells).
 
+#![allow(missing_docs, reason = "criterion's macro makes a public function")]
+
 use std::hint::black_box;
 
 use coupler::transfer::Transfer;
