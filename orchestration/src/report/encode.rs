@@ -9,7 +9,7 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use serde::Serialize;
 
-/// Numbers as 16-bit shares of [low, high].
+/// Numbers as 16-bit shares of the range from `low` to `high`.
 #[derive(Debug, Clone, Serialize)]
 pub struct Shares {
     /// What 0 stands for.
