@@ -26,3 +26,7 @@ doc:
 test-python:
     engines/.venv/bin/python -m pytest engine-kit/python/tests
     engines/.venv/bin/python -m pytest engines/tests
+
+# Renew the tables and plots of all studies (an hour; runs that are there are kept).
+studies:
+    for study in studies/*.toml; do ./sillage study "$study" || exit 1; done

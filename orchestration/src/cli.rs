@@ -1,9 +1,13 @@
 //! The command line.
 
+mod pages;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use protocol::messages::Role;
+
+pub use pages::{ReportArgs, StudyArgs, ViewArgs};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -23,6 +27,8 @@ Examples:
   sillage run scenes/cloud.toml --record --out runs/cloud
   sillage replay runs/cloud/exchange.mcap --as fluid
   sillage diff runs/cloud runs/coarse
+  sillage report runs/cloud
+  sillage study one-grain
   sillage doctor --clean";
 
 const CONFORM_HELP: &str = "\
@@ -65,6 +71,12 @@ pub enum Command {
     /// Compare two recordings or run folders
     #[command(after_help = EXIT_CODES)]
     Diff(DiffArgs),
+    /// Error against run time: run a scene many times, and write tables and plots
+    Study(StudyArgs),
+    /// Show a run in the browser while it goes on, or after it
+    View(ViewArgs),
+    /// Write one HTML file of a run or a study; it opens without a network
+    Report(ReportArgs),
     /// Look at shared memory, limits, versions and leftovers of dead runs
     Doctor(DoctorArgs),
     /// Test whether a command speaks the protocol in a seat: a table of checks

@@ -28,6 +28,8 @@ pub struct Process {
     pub signalled: bool,
     /// CPU time it has used \[s\].
     pub cpu: f64,
+    /// Largest resident memory it was seen to have \[bytes\].
+    pub memory_peak: u64,
     child: Child,
 }
 
@@ -94,6 +96,7 @@ pub fn spawn(
         ended: None,
         signalled: false,
         cpu: 0.0,
+        memory_peak: 0,
         child,
     })
 }
@@ -171,6 +174,8 @@ impl Process {
         if self.ended.is_none() {
             // Also of a process that has ended, until it is reaped below.
             self.cpu = cpu_seconds(self.id).unwrap_or(self.cpu);
+            // Gone from a process that has ended: the last look before counts.
+            self.memory_peak = memory_peak(self.id).unwrap_or(self.memory_peak);
             // An error here means that somebody else reaped it: it has ended all the same.
             self.ended = match self.child.try_wait() {
                 Ok(status) => status,
@@ -238,6 +243,16 @@ fn cpu_seconds(id: u32) -> Option<f64> {
     let ticks = fields.next()?.parse::<f64>().ok()? + fields.next()?.parse::<f64>().ok()?;
     let per_second = sysconf(SysconfVar::CLK_TCK).ok()??;
     Some(ticks / per_second as f64)
+}
+
+/// Largest resident memory of a living process \[bytes\], VmHWM in /proc/PID/status.
+fn memory_peak(id: u32) -> Option<u64> {
+    let status = std::fs::read_to_string(format!("/proc/{id}/status")).ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kilobytes: u64 = line.split_whitespace().next()?.parse().ok()?;
+    Some(1024 * kilobytes)
 }
 
 /// End processes at once and reap them.

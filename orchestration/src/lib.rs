@@ -12,6 +12,9 @@
 //! | `output` | run folder: `steps.csv`, ParaView files, pictures, `run.json` |
 //! | `conform` | does a command speak the protocol? |
 //! | `record`, `replay`, `diff` | recordings: made, fed to an engine, compared |
+//! | `report`, `table` | one HTML page of a run, from what its folder holds |
+//! | `study` | error against run time: many runs, one table |
+//! | `view` | the page of a run, served while it goes on |
 //! | `doctor` | what this machine offers |
 
 pub mod cli;
@@ -27,9 +30,13 @@ pub mod plan;
 pub mod progress;
 pub mod record;
 pub mod replay;
+pub mod report;
 pub mod run;
 pub mod scene;
+pub mod study;
+pub mod table;
 pub mod verdict;
+pub mod view;
 pub mod watch;
 
 pub use error::Error;

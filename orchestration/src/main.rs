@@ -6,7 +6,7 @@ use clap::Parser;
 use orchestration::cli::{CheckArgs, Cli, Command, ConformArgs, DoctorArgs, PlanArgs, RunArgs};
 use orchestration::conform;
 use orchestration::error::Error;
-use orchestration::{diff, doctor, plan, record, replay, run, scene};
+use orchestration::{diff, doctor, plan, record, replay, report as pages, run, scene, study, view};
 use serde_json::json;
 
 fn main() {
@@ -24,6 +24,9 @@ fn main() {
         Command::Run(args) => (args.json, run_scene(&args)),
         Command::Replay(args) => (args.json, replay::command(&args)),
         Command::Diff(args) => (args.json, diff::command(&args)),
+        Command::Study(args) => (args.json, study::command(&args)),
+        Command::View(args) => (args.json, view::command(&args)),
+        Command::Report(args) => (args.json, pages::command(&args)),
         Command::Doctor(args) => (args.json, examine(&args)),
         Command::Conform(args) => (args.json, conform_command(&args)),
         Command::ConformCoupler(args) => (false, conform::die_as_coupler(&args)),

@@ -29,6 +29,13 @@ pub struct Outcome {
     pub ending: Ending,
 }
 
+/// What each process used.
+#[derive(Default)]
+struct Used {
+    cpu: BTreeMap<String, f64>,
+    memory_peak: BTreeMap<String, u64>,
+}
+
 /// Run a scene; `out` is the run folder, or one is made under `runs/`.
 pub fn run(scene: &Scene, out: Option<&Path>) -> Result<Outcome, Error> {
     let begun = Instant::now();
@@ -45,8 +52,8 @@ pub fn run(scene: &Scene, out: Option<&Path>) -> Result<Outcome, Error> {
     eprintln!("{} → {}", scene.name, path.display());
 
     let writer = Writer::start(folder);
-    let mut cpu = BTreeMap::new();
-    let verdict = follow(scene, &path, &writer, interrupts, &mut cpu);
+    let mut used = Used::default();
+    let verdict = follow(scene, &path, &writer, interrupts, &mut used);
     let (folder, written) = writer.finish()?;
     let verdict = match (verdict, written) {
         (Ok(verdict), Ok(())) => verdict,
@@ -77,7 +84,8 @@ pub fn run(scene: &Scene, out: Option<&Path>) -> Result<Outcome, Error> {
         code,
         why,
         wall: begun.elapsed().as_secs_f64(),
-        cpu,
+        cpu: used.cpu,
+        memory_peak: used.memory_peak,
     };
     let document = report::document(scene, &folder, Some(&ending));
     report::write(&path, &document)?;
@@ -94,7 +102,7 @@ fn follow(
     path: &Path,
     writer: &Writer,
     interrupts: Interrupts,
-    cpu: &mut BTreeMap<String, f64>,
+    used: &mut Used,
 ) -> Result<Verdict, Error> {
     let runspace = RunSpace::create().map_err(transport)?;
     let monitor = MonitorReceiver::create(&runspace).map_err(transport)?;
@@ -108,12 +116,16 @@ fn follow(
         progress: Progress::new(scene.coupler.end_time),
     };
     let verdict = watch.follow();
-    cpu.extend(
-        watch
-            .processes
-            .iter()
-            .map(|process| (process.seat.clone(), process.cpu)),
-    );
+    for Process {
+        seat,
+        cpu,
+        memory_peak,
+        ..
+    } in &watch.processes
+    {
+        used.cpu.insert(seat.clone(), *cpu);
+        used.memory_peak.insert(seat.clone(), *memory_peak);
+    }
     if verdict.code != exit_code::OK && verdict.code != exit_code::INTERRUPTED {
         show_last_words(&watch.processes);
     }
@@ -192,6 +204,7 @@ fn clear_previous(path: &Path) -> Result<(), Error> {
         "fluid.pvd",
         "grains.pvd",
         "overview.png",
+        "report.html",
         "grains.csv",
     ] {
         let file = path.join(name);

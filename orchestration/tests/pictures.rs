@@ -157,6 +157,7 @@ fn a_run_folder_holds_everything_that_is_promised() {
         why: None,
         wall: 1.5,
         cpu: Default::default(),
+        memory_peak: Default::default(),
     };
     report::write(&path, &report::document(&scene, &folder, Some(&ending))).expect("written");
     for file in [

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use super::steps::Summary;
 use super::{RunFolder, machine, vtu};
 use crate::error::{Error, exit_code};
+use crate::plan;
 use crate::record;
 use crate::scene::Scene;
 
@@ -24,6 +25,8 @@ pub struct Ending {
     pub wall: f64,
     /// CPU time of each process \[s\].
     pub cpu: BTreeMap<String, f64>,
+    /// Largest resident memory of each process \[bytes\].
+    pub memory_peak: BTreeMap<String, u64>,
 }
 
 /// Versions that matter for a result.
@@ -53,6 +56,7 @@ pub fn document(scene: &Scene, folder: &RunFolder, ending: Option<&Ending>) -> V
         "scene": { "name": scene.name, "resolved": scene.coupler, "grains": scene.grains.len() },
         "versions": versions(),
         "machine": machine::machine(),
+        "plan": plan::plan(scene),
         "engines": folder.engines.iter().map(engine).collect::<Vec<_>>(),
         "written": seconds_since_1970(),
         "steps": summary.steps,
@@ -75,6 +79,7 @@ fn cost(summary: &Summary, ending: Option<&Ending>) -> Value {
     if let Some(ending) = ending {
         cost["wall_total"] = json!(ending.wall);
         cost["cpu_process"] = json!(ending.cpu);
+        cost["memory_peak"] = json!(ending.memory_peak);
     }
     cost
 }

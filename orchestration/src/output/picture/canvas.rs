@@ -46,6 +46,11 @@ impl Canvas {
         }
     }
 
+    /// Its pixels, three bytes each, row by row.
+    pub fn pixels_mut(&mut self) -> &mut [u8] {
+        &mut self.pixels
+    }
+
     /// Mix a colour into a pixel; outside the paper nothing happens.
     pub fn blend(&mut self, x: i64, y: i64, colour: Rgb, opacity: f64) {
         if x < 0 || y < 0 || x >= self.width as i64 || y >= self.height as i64 {
@@ -175,7 +180,8 @@ impl Canvas {
 }
 
 /// The embedded font: pictures are the same on every machine.
-fn register_sans() {
+/// Make the embedded font known to plotters.
+pub fn register_sans() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         // The bytes are a constant of the program, so they are a font.

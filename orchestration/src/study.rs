@@ -1,0 +1,382 @@
+//! `sillage study`: error against run time.
+//!
+//! ```text
+//!   study.toml ─► points = axes × axes ─► runs, one after another, interleaved over the repeats
+//!                                             │ points/NAME/REPEAT: a run folder, and point.json
+//!                 table, plots ◄── medians ◄──┘ when it is over: it is not run again
+//! ```
+
+pub mod analysis;
+pub mod keys;
+pub mod measure;
+pub mod page;
+pub mod plot;
+pub mod points;
+pub mod results;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde_json::{Value, json};
+
+use crate::cli::StudyArgs;
+use crate::error::{Error, exit_code};
+use crate::interrupt::Interrupts;
+use crate::output::vtu;
+use crate::{run, scene};
+use keys::StudyFile;
+use points::Point;
+use results::{Cost, Row, Sample};
+
+/// A study that was run, perhaps in part.
+pub struct Outcome {
+    /// Its folder.
+    pub folder: PathBuf,
+    /// The table as text.
+    pub table: String,
+    /// `study.json`.
+    pub document: Value,
+    /// Points whose runs failed.
+    pub failed: usize,
+    /// Was it interrupted?
+    pub interrupted: bool,
+}
+
+/// `sillage study`.
+pub fn command(args: &StudyArgs) -> Result<(), Error> {
+    let Some(path) = &args.study else {
+        let studies = list()?;
+        if args.json {
+            let list: Vec<_> = studies
+                .iter()
+                .map(|(name, title)| json!({ "name": name, "title": title }))
+                .collect();
+            println!("{:#}", json!(list));
+        } else {
+            for (name, title) in studies {
+                println!("{name:<16} {title}");
+            }
+        }
+        return Ok(());
+    };
+    let outcome = study(path, args.out.as_deref(), args.threads.get())?;
+    if args.json {
+        println!("{:#}", outcome.document);
+    } else {
+        println!(
+            "{}{}",
+            outcome.table,
+            outcome.folder.join("report.html").display()
+        );
+    }
+    // The document is on stdout already; main adds none.
+    let early = if outcome.interrupted {
+        Some((
+            exit_code::INTERRUPTED,
+            "interrupted: what was run is kept".into(),
+        ))
+    } else if outcome.failed > 0 {
+        let why = format!(
+            "the runs of {} points failed; the table says why",
+            outcome.failed
+        );
+        Some((exit_code::ENGINE, why))
+    } else {
+        None
+    };
+    if let Some((code, why)) = early {
+        eprintln!("sillage: {why}");
+        std::process::exit(code);
+    }
+    Ok(())
+}
+
+/// Built-in studies: name and title of every file in `studies/`.
+pub fn list() -> Result<Vec<(String, String)>, Error> {
+    let folder = built_in().ok_or_else(|| {
+        Error::Usage("there is no folder studies/ here or above the program".into())
+    })?;
+    let mut names: Vec<PathBuf> = std::fs::read_dir(&folder)
+        .map_err(Error::file("cannot read", &folder))?
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| {
+            path.extension()
+                .is_some_and(|extension| extension == "toml")
+        })
+        .collect();
+    names.sort();
+    names
+        .iter()
+        .map(|path| Ok((stem(path), keys::read(path)?.title)))
+        .collect()
+}
+
+/// The folder `studies/`, here or above the program.
+fn built_in() -> Option<PathBuf> {
+    let here = PathBuf::from("studies");
+    if here.is_dir() {
+        return Some(here);
+    }
+    let program = std::env::current_exe().ok()?;
+    program
+        .ancestors()
+        .map(|folder| folder.join("studies"))
+        .find(|folder| folder.is_dir())
+}
+
+/// A file, or the name of a built-in study.
+fn find(study: &Path) -> Result<PathBuf, Error> {
+    if study.is_file() {
+        return Ok(study.to_path_buf());
+    }
+    built_in()
+        .map(|folder| folder.join(study).with_extension("toml"))
+        .filter(|path| path.is_file())
+        .ok_or_else(|| {
+            Error::Usage(format!(
+                "{}: neither a file nor a built-in study (see sillage study --list)",
+                study.display()
+            ))
+        })
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem()
+        .map_or("study".into(), |stem| stem.to_string_lossy().into_owned())
+}
+
+/// Run what is not there yet, and write tables and plots of all that is.
+pub fn study(path: &Path, out: Option<&Path>, threads: usize) -> Result<Outcome, Error> {
+    let path = find(path)?;
+    let study = keys::read(&path)?;
+    let base = path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let name = stem(&path);
+    let folder = out.map_or_else(
+        || Path::new("runs").join(format!("study-{name}")),
+        Path::to_path_buf,
+    );
+    std::fs::create_dir_all(&folder)
+        .map_err(|error| Error::Usage(format!("cannot create {}: {error}", folder.display())))?;
+    let given = study
+        .reference
+        .as_ref()
+        .map(|reference| measure::truth(reference, &base));
+    let given = given.transpose()?.flatten();
+    let points = points::points(&study);
+    let finer = match study.reference.as_ref().and_then(|r| r.finer.as_ref()) {
+        Some(settings) => points::finer(&study, settings),
+        None => Vec::new(),
+    };
+    let all: Vec<Point> = points.iter().chain(&finer).cloned().collect();
+    let scene_path = base.join(&study.scene);
+    // Every point is checked before the first one runs.
+    let scenes = all
+        .iter()
+        .map(|point| scene::load(&scene_path, &point.settings, threads))
+        .collect::<Result<Vec<_>, Error>>()?;
+
+    let interrupts = Interrupts::count()?;
+    let mut samples: Vec<Vec<Sample>> = vec![Vec::new(); all.len()];
+    let mut clock = Clock::new(points.len() * study.repeats + finer.len());
+    let mut interrupted = false;
+    // One repeat of all points, then the next: what else the machine does meets all alike.
+    'runs: for repeat in 1..=study.repeats {
+        // The finer runs are there for their values, which repeat; their times are not compared.
+        let count = if repeat == 1 { all.len() } else { points.len() };
+        for (index, point) in all.iter().enumerate().take(count) {
+            let place = folder
+                .join("points")
+                .join(point.folder())
+                .join(repeat.to_string());
+            let mark = mark(&scenes[index], point);
+            let sample = match known(&place, &mark, &study)? {
+                Some(sample) => {
+                    clock.skip();
+                    sample
+                }
+                None if interrupts.so_far() > 0 => {
+                    interrupted = true;
+                    break 'runs;
+                }
+                None => {
+                    clock.announce(&point.names, repeat);
+                    let Some(sample) = one(&scenes[index], &place, &mark, &study)? else {
+                        interrupted = true;
+                        break 'runs;
+                    };
+                    clock.ran();
+                    sample
+                }
+            };
+            samples[index].push(sample);
+        }
+    }
+    let (samples, finest) = samples.split_at(points.len());
+    let truth: Vec<Option<f64>> = match finer.is_empty() {
+        true => vec![given; points.len() / study.axis[0].points.len()],
+        false => finest.iter().map(|samples| finest_value(samples)).collect(),
+    };
+    let rows = results::rows(&study, &points, samples, &truth);
+    finish(&folder, &name, &study, &rows, interrupted)
+}
+
+/// The median of the finer runs, if there is one.
+fn finest_value(samples: &[Sample]) -> Option<f64> {
+    let values: Vec<f64> = samples
+        .iter()
+        .filter_map(|sample| match sample {
+            Sample::Run { value, .. } => Some(*value),
+            Sample::Failed(_) => None,
+        })
+        .collect();
+    Some(analysis::median(&values)).filter(|value| value.is_finite())
+}
+
+fn finish(
+    folder: &Path,
+    name: &str,
+    study: &StudyFile,
+    rows: &[Row],
+    interrupted: bool,
+) -> Result<Outcome, Error> {
+    let complete = rows.iter().all(|row| row.runs >= study.repeats);
+    let document = results::document(name, study, rows, complete);
+    results::write(folder, &document, study, rows)?;
+    plot::write(folder, study, rows)?;
+    let page = page::page(folder, name, study, rows, &document)?;
+    vtu::write(&folder.join("report.html"), page)?;
+    Ok(Outcome {
+        folder: folder.to_path_buf(),
+        table: results::text(study, rows),
+        document,
+        failed: rows.iter().filter(|row| row.failed.is_some()).count(),
+        interrupted,
+    })
+}
+
+/// What makes a point the same: its scene as resolved, its grains and its engines.
+fn mark(scene: &scene::Scene, point: &Point) -> Value {
+    json!({ "settings": point.settings, "scene": scene.coupler, "text": scene.text })
+}
+
+/// The sample of a run that is there already.
+fn known(place: &Path, mark: &Value, study: &StudyFile) -> Result<Option<Sample>, Error> {
+    let Ok(text) = std::fs::read_to_string(place.join("point.json")) else {
+        return Ok(None);
+    };
+    let Ok(point) = serde_json::from_str::<Value>(&text) else {
+        return Ok(None);
+    };
+    if point["mark"] != *mark {
+        return Ok(None);
+    }
+    let text = std::fs::read_to_string(place.join("run.json")).unwrap_or_default();
+    let document = serde_json::from_str(&text).unwrap_or(Value::Null);
+    Ok(Some(sample(place, &document, &point, study)))
+}
+
+/// Run one point; none when it was interrupted.
+fn one(
+    scene: &scene::Scene,
+    place: &Path,
+    mark: &Value,
+    study: &StudyFile,
+) -> Result<Option<Sample>, Error> {
+    let outcome = run::run(scene, Some(place))?;
+    if outcome.ending.code == exit_code::INTERRUPTED {
+        return Ok(None);
+    }
+    let point = json!({
+        "mark": mark,
+        "exit": outcome.ending.code,
+        "why": outcome.ending.why,
+        "load": load(),
+    });
+    vtu::write(&place.join("point.json"), format!("{point:#}\n"))?;
+    Ok(Some(sample(place, &outcome.document, &point, study)))
+}
+
+fn sample(place: &Path, document: &Value, point: &Value, study: &StudyFile) -> Sample {
+    if point["exit"] != exit_code::OK {
+        let why = point["why"].as_str().unwrap_or("ended early");
+        return Sample::Failed(format!("exit code {}: {why}", point["exit"]));
+    }
+    let value = match measure::measure(&study.measure, place, document) {
+        Ok(value) => value,
+        Err(error) => return Sample::Failed(error.to_string()),
+    };
+    let cost = &document["cost"];
+    let table = |name: &str| -> std::collections::BTreeMap<String, f64> {
+        let entries = cost[name].as_object().into_iter().flatten();
+        entries
+            .filter_map(|(seat, value)| Some((seat.clone(), value.as_f64()?)))
+            .collect()
+    };
+    let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+    let cpu = table("cpu_process");
+    Sample::Run {
+        value,
+        cost: Cost {
+            cpu_total: cpu.values().sum(),
+            cpu,
+            wall: number(&cost["wall_total"]),
+            memory_peak: table("memory_peak"),
+            steps: number(&document["steps"]),
+            passes: number(&cost["passes"]),
+            load: number(&point["load"]),
+        },
+    }
+}
+
+/// Runnable processes, mean of the last minute.
+fn load() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/loadavg").ok()?;
+    text.split_whitespace().next()?.parse().ok()
+}
+
+/// How far a study is.
+struct Clock {
+    all: usize,
+    done: usize,
+    ran: usize,
+    begun: Instant,
+}
+
+impl Clock {
+    fn new(all: usize) -> Self {
+        Clock {
+            all,
+            done: 0,
+            ran: 0,
+            begun: Instant::now(),
+        }
+    }
+
+    fn skip(&mut self) {
+        self.done += 1;
+    }
+
+    fn ran(&mut self) {
+        self.done += 1;
+        self.ran += 1;
+    }
+
+    fn announce(&self, names: &[String], repeat: usize) {
+        let filled = 24 * self.done / self.all.max(1);
+        let bar = "█".repeat(filled) + &"░".repeat(24 - filled);
+        let left = match self.ran {
+            0 => String::new(),
+            ran => {
+                let each = self.begun.elapsed().as_secs_f64() / ran as f64;
+                format!(", about {:.0} s left", each * (self.all - self.done) as f64)
+            }
+        };
+        eprintln!(
+            "{bar} {} of {} runs{left}: {}, repeat {repeat}",
+            self.done,
+            self.all,
+            names.join(", ")
+        );
+    }
+}

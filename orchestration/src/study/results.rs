@@ -1,0 +1,329 @@
+//! What a study found: a row a point, as JSON, CSV and text.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::analysis;
+use super::keys::StudyFile;
+use super::points::Point;
+use crate::error::Error;
+use crate::output::vtu;
+
+/// Results as JSON; that it exists makes a folder a study's.
+pub const FILE: &str = "study.json";
+
+/// One run of a point, or why there is none.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Sample {
+    /// It ended well.
+    Run {
+        /// The measure.
+        value: f64,
+        /// What it cost.
+        cost: Cost,
+    },
+    /// It ended early, or its measure cannot be had.
+    Failed(String),
+}
+
+/// What a run cost.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Cost {
+    /// CPU time of each process \[s\].
+    pub cpu: BTreeMap<String, f64>,
+    /// CPU time of all \[s\].
+    pub cpu_total: f64,
+    /// Wall time, start of processes included \[s\].
+    pub wall: f64,
+    /// Largest resident memory of each process \[bytes\].
+    pub memory_peak: BTreeMap<String, f64>,
+    /// Steps accepted.
+    pub steps: f64,
+    /// Passes of all steps.
+    pub passes: f64,
+    /// Load of the machine (runnable processes, one minute) when the run ended.
+    pub load: f64,
+}
+
+/// A point with its samples.
+#[derive(Debug, Clone, Serialize)]
+pub struct Row {
+    /// Names along the axes.
+    pub names: Vec<String>,
+    /// Size along the first axis.
+    pub size: Option<f64>,
+    /// Median of the measure; NaN when it failed.
+    pub value: f64,
+    /// What it should be.
+    pub reference: Option<f64>,
+    /// Relative error.
+    pub error: Option<f64>,
+    /// Observed order from the point before it on the first axis.
+    pub order: Option<f64>,
+    /// Is no other point both cheaper and better?
+    pub front: bool,
+    /// Medians over the repeats.
+    pub cost: Cost,
+    /// Runs that ended well.
+    pub runs: usize,
+    /// Why there is no value.
+    pub failed: Option<String>,
+}
+
+/// All rows of a study.
+pub fn rows(
+    study: &StudyFile,
+    points: &[Point],
+    samples: &[Vec<Sample>],
+    truth: &[Option<f64>],
+) -> Vec<Row> {
+    let mut rows: Vec<Row> = points
+        .iter()
+        .zip(samples)
+        .enumerate()
+        .map(|(index, (point, samples))| {
+            let series = index / study.axis[0].points.len();
+            row(point, samples, truth.get(series).copied().flatten())
+        })
+        .collect();
+    // Points of the first axis follow each other, once for each choice on the others.
+    let first = &study.axis[0];
+    let chosen = rows.chunks_mut(first.points.len());
+    for series in chosen.filter(|_| first.orders) {
+        let errors: Vec<f64> = series.iter().map(|r| r.error.unwrap_or(f64::NAN)).collect();
+        let sizes: Vec<f64> = series.iter().map(|r| r.size.unwrap_or(f64::NAN)).collect();
+        let orders = analysis::orders(&sizes, &errors);
+        series
+            .iter_mut()
+            .zip(orders)
+            .for_each(|(row, order)| row.order = order);
+    }
+    let costs: Vec<(f64, f64)> = rows
+        .iter()
+        .map(|row| (row.cost.cpu_total, row.error.unwrap_or(f64::NAN)))
+        .collect();
+    let front = analysis::pareto(&costs);
+    rows.iter_mut()
+        .zip(front)
+        .for_each(|(row, front)| row.front = front);
+    rows
+}
+
+fn row(point: &Point, samples: &[Sample], truth: Option<f64>) -> Row {
+    let runs: Vec<(&f64, &Cost)> = samples
+        .iter()
+        .filter_map(|sample| match sample {
+            Sample::Run { value, cost } => Some((value, cost)),
+            Sample::Failed(_) => None,
+        })
+        .collect();
+    let failed = samples.iter().find_map(|sample| match sample {
+        Sample::Failed(why) => Some(why.clone()),
+        Sample::Run { .. } => None,
+    });
+    let over = |pick: &dyn Fn(&Cost) -> f64| {
+        analysis::median(&runs.iter().map(|(_, cost)| pick(cost)).collect::<Vec<_>>())
+    };
+    let by_process = |pick: fn(&Cost) -> &BTreeMap<String, f64>| -> BTreeMap<String, f64> {
+        let names = runs
+            .first()
+            .map(|(_, cost)| pick(cost).keys().cloned().collect::<Vec<_>>());
+        names
+            .unwrap_or_default()
+            .into_iter()
+            .map(|name| {
+                let median =
+                    over(&|cost: &Cost| pick(cost).get(&name).copied().unwrap_or(f64::NAN));
+                (name, median)
+            })
+            .collect()
+    };
+    let value = analysis::median(&runs.iter().map(|(value, _)| **value).collect::<Vec<_>>());
+    let reference = point.reference.or(truth);
+    Row {
+        names: point.names.clone(),
+        size: point.size,
+        value,
+        reference,
+        error: reference
+            .map(|truth| analysis::error(value, truth))
+            .filter(|error| error.is_finite()),
+        order: None,
+        front: false,
+        cost: Cost {
+            cpu: by_process(|cost| &cost.cpu),
+            cpu_total: over(&|cost| cost.cpu_total),
+            wall: over(&|cost| cost.wall),
+            memory_peak: by_process(|cost| &cost.memory_peak),
+            steps: over(&|cost| cost.steps),
+            passes: over(&|cost| cost.passes),
+            load: over(&|cost| cost.load),
+        },
+        runs: runs.len(),
+        failed: failed.filter(|_| runs.is_empty()),
+    }
+}
+
+/// Write `study.json` and `study.csv`.
+pub fn write(
+    folder: &Path,
+    document: &Value,
+    study: &StudyFile,
+    rows: &[Row],
+) -> Result<(), Error> {
+    vtu::write(&folder.join(FILE), format!("{document:#}\n"))?;
+    vtu::write(&folder.join("study.csv"), csv(study, rows))
+}
+
+/// The document of a study.
+pub fn document(name: &str, study: &StudyFile, rows: &[Row], complete: bool) -> Value {
+    json!({
+        "study": name,
+        "title": study.title,
+        "complete": complete,
+        "axes": study.axis.iter().map(|axis| &axis.name).collect::<Vec<_>>(),
+        "measure": { "name": study.measure.name, "unit": study.measure.unit },
+        "reference": study.reference.as_ref().map(|reference| &reference.source),
+        "repeats": study.repeats,
+        "points": rows,
+        "machine": crate::output::machine::machine(),
+        "versions": crate::output::report::versions(),
+    })
+}
+
+fn csv(study: &StudyFile, rows: &[Row]) -> String {
+    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+    let some = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:e}"));
+    let mut text: Vec<String> = study.axis.iter().map(|axis| quoted(&axis.name)).collect();
+    text.push(
+        "size,value,reference,error,order,front,cpu_fluid,cpu_particles,cpu_coupler,cpu_total,wall,\
+         memory_fluid,memory_particles,memory_coupler,steps,passes,load,runs,failed"
+            .into(),
+    );
+    let mut text = text.join(",") + "\n";
+    for row in rows {
+        let cost = &row.cost;
+        let of = |table: &BTreeMap<String, f64>, seat: &str| some(table.get(seat).copied());
+        let known = |value: f64| some(value.is_finite().then_some(value));
+        let mut cells: Vec<String> = row.names.iter().map(|name| quoted(name)).collect();
+        cells.extend([
+            some(row.size),
+            known(row.value),
+            some(row.reference),
+            some(row.error),
+            some(row.order),
+            row.front.to_string(),
+        ]);
+        cells.extend(["fluid", "particles", "coupler"].map(|seat| of(&cost.cpu, seat)));
+        cells.extend([known(cost.cpu_total), known(cost.wall)]);
+        cells.extend(["fluid", "particles", "coupler"].map(|seat| of(&cost.memory_peak, seat)));
+        cells.extend([known(cost.steps), known(cost.passes), known(cost.load)]);
+        cells.push(row.runs.to_string());
+        cells.push(row.failed.as_deref().map_or(String::new(), quoted));
+        text += &(cells.join(",") + "\n");
+    }
+    text
+}
+
+/// Heads and cells of the table that people read.
+pub fn cells(study: &StudyFile, rows: &[Row]) -> (Vec<String>, Vec<Vec<String>>) {
+    let mut heads: Vec<String> = study.axis.iter().map(|axis| axis.name.clone()).collect();
+    let measure = &study.measure;
+    heads.push(match measure.unit.as_str() {
+        "" => measure.name.clone(),
+        unit => format!("{} [{unit}]", measure.name),
+    });
+    heads.extend(
+        [
+            "error",
+            "order",
+            "CPU [s]",
+            "wall [s]",
+            "memory",
+            "steps",
+            "passes/step",
+            "front",
+        ]
+        .map(String::from),
+    );
+    let dash = || "–".to_string();
+    let body = rows
+        .iter()
+        .map(|row| {
+            let mut cells = row.names.clone();
+            if let Some(why) = &row.failed {
+                cells.push(format!(
+                    "failed: {}",
+                    why.lines().next().unwrap_or_default()
+                ));
+                cells.resize(heads.len(), dash());
+                return cells;
+            }
+            if row.runs == 0 {
+                cells.push("not run".into());
+                cells.resize(heads.len(), dash());
+                return cells;
+            }
+            let cost = &row.cost;
+            let memory: f64 = cost.memory_peak.values().sum();
+            cells.push(digits(row.value));
+            cells.push(row.error.map_or_else(dash, |error| format!("{error:.2e}")));
+            cells.push(row.order.map_or_else(dash, |order| format!("{order:.2}")));
+            cells.push(format!("{:.2}", cost.cpu_total));
+            cells.push(format!("{:.2}", cost.wall));
+            cells.push(format!("{:.0} MB", memory / 1e6));
+            cells.push(format!("{}", cost.steps));
+            cells.push(format!("{:.2}", cost.passes / cost.steps.max(1.0)));
+            cells.push(if row.front {
+                "●".into()
+            } else {
+                String::new()
+            });
+            cells
+        })
+        .collect();
+    (heads, body)
+}
+
+/// Six digits, with an exponent where it is shorter.
+pub fn digits(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".into(),
+        size if (1e-3..1e5).contains(&size) => {
+            let decimals = (5 - size.log10().floor() as i32).clamp(0, 8) as usize;
+            format!("{value:.decimals$}")
+        }
+        _ => format!("{value:.5e}"),
+    }
+}
+
+/// The table as text, in columns.
+pub fn text(study: &StudyFile, rows: &[Row]) -> String {
+    let (heads, body) = cells(study, rows);
+    let width = |column: usize| {
+        let cells = body
+            .iter()
+            .map(|row| &row[column])
+            .filter(|cell| !cell.starts_with("failed"));
+        cells
+            .chain([&heads[column]])
+            .map(|cell| cell.chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..heads.len()).map(width).collect();
+    let mut text = String::new();
+    for row in std::iter::once(&heads).chain(&body) {
+        let line: Vec<String> = row
+            .iter()
+            .zip(&widths)
+            .map(|(cell, width)| format!("{cell:<width$}"))
+            .collect();
+        let _ = writeln!(text, "{}", line.join("  ").trim_end());
+    }
+    text
+}
