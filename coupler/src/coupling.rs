@@ -53,6 +53,8 @@ pub struct Options {
     pub lambda: Option<f64>,
     /// Apply the deferred correction.
     pub deferred_correction: bool,
+    /// Accept a first pass with the correction of the last step.
+    pub lagged_correction: bool,
 }
 
 /// What one accepted step did.
@@ -129,6 +131,7 @@ impl Coupling {
             options: Options {
                 lambda: None,
                 deferred_correction: true,
+                lagged_correction: true,
             },
         };
         coupling.set_initial_fluid()?;

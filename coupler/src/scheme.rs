@@ -458,7 +458,7 @@ impl Coupling {
         placement: &Placement,
         outcome: &Outcome,
     ) -> f64 {
-        if outcome.passes == 1 && self.takes_affine_response() {
+        if outcome.passes == 1 && self.options.lagged_correction && self.takes_affine_response() {
             return 0.0; // lagged by a step, as for a free cloud
         }
         let before = self.correction(iteration, placement, &iteration.known).0;

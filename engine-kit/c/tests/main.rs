@@ -18,12 +18,13 @@ fn programs() -> PathBuf {
     folder.to_path_buf()
 }
 
-/// Where `cargo test` has put the library.
+/// Where `cargo build` puts the library.
 fn library() -> PathBuf {
-    programs().join("deps")
+    programs()
 }
 
-/// The programs of a run, built when they are not there yet.
+/// The programs of a run and the library, built when they are not there yet: `cargo test` alone
+/// makes neither.
 fn need_programs() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -32,12 +33,13 @@ fn need_programs() {
             "sillage-fluid",
             "sillage-particles",
             "sillage-coupler",
+            "libsillage_engine.so",
         ];
         if names.iter().all(|name| programs().join(name).exists()) {
             return;
         }
         let mut cargo = Command::new(env!("CARGO"));
-        cargo.args(["build", "--workspace", "--bins"]);
+        cargo.args(["build", "--workspace", "--bins", "--lib"]);
         if programs().ends_with("release") {
             cargo.arg("--release");
         }
