@@ -24,7 +24,6 @@ pub struct Clock {
     end_time: f64,
     nominal: f64,
     coupling_step: f64,
-    halved: bool,
     adaptive: Option<AdaptiveStep>,
     output_every: Option<f64>,
     next_output: f64,
@@ -37,7 +36,6 @@ impl Clock {
             end_time: scene.end_time,
             nominal: scene.coupling_step,
             coupling_step: scene.coupling_step,
-            halved: false,
             adaptive: scene.adaptive,
             output_every: scene.output_every,
             next_output: scene.output_every.unwrap_or(f64::INFINITY),
@@ -68,10 +66,8 @@ impl Clock {
                     .min(GROWTH_MAX * self.coupling_step)
                     .clamp(adaptive.step_min, adaptive.step_max)
             }
-            None if self.halved => self.nominal.min(RECOVERY * self.coupling_step),
-            None => self.nominal,
+            None => self.nominal.min(RECOVERY * self.coupling_step),
         };
-        self.halved &= self.coupling_step < self.nominal;
         let remaining = self.end_time - time;
         if remaining <= self.coupling_step * (1.0 + 1e-9) {
             remaining
@@ -86,7 +82,6 @@ impl Clock {
         if smaller < self.step_min() * (1.0 - 1e-9) {
             return None;
         }
-        self.halved = true;
         self.coupling_step = smaller;
         Some(smaller)
     }

@@ -20,8 +20,6 @@ use crate::walls::Segment;
 #[derive(Debug, Default)]
 pub struct Engine {
     solver: Option<ContactEngine>,
-    /// CPU time spent on the step that is not accepted yet \[s\].
-    cpu_seconds: f64,
 }
 
 /// `main` of the engine's process.
@@ -58,7 +56,6 @@ impl ParticleEngine for Engine {
             "grains; one thread is used, whatever the scene allows"
         );
         self.solver = Some(solver);
-        self.cpu_seconds = 0.0;
         Ok(grains)
     }
 
@@ -68,7 +65,6 @@ impl ParticleEngine for Engine {
         fluid: &FluidForces<'_>,
         answer: GrainAnswer<'_>,
     ) -> Result<Vec<Diagnostic>, Failure> {
-        let begin = process_seconds();
         let request = Request {
             step: request.step,
             pass: request.pass,
@@ -81,17 +77,12 @@ impl ParticleEngine for Engine {
             force: fluid.force,
         };
         let solver = self.solver.as_mut().ok_or_else(not_configured)?;
-        let outcome = solver.advance(&request, &forces);
-        self.cpu_seconds += process_seconds() - begin;
-        let candidate = outcome.map_err(failure)?;
+        let candidate = solver.advance(&request, &forces).map_err(failure)?;
         write(candidate, answer)?;
-        let mut diagnostics = diagnostics(candidate);
-        diagnostics.push(named("cpu_seconds", self.cpu_seconds));
-        Ok(diagnostics)
+        Ok(diagnostics(candidate))
     }
 
     fn commit(&mut self) -> Result<(), Failure> {
-        self.cpu_seconds = 0.0;
         self.solver()?.commit().map_err(failure)
     }
 
@@ -218,10 +209,4 @@ fn named(name: &str, value: f64) -> Diagnostic {
         name: name.to_owned(),
         value,
     }
-}
-
-/// CPU time of this process so far \[s\].
-fn process_seconds() -> f64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
