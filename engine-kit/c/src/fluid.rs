@@ -9,10 +9,10 @@ use protocol::configure::{
 use protocol::engine::{self, FluidEngine, MeshDescription, serve_fluid};
 use protocol::ipc::engine_link;
 use protocol::messages::{Advance, Capability, Diagnostic, Failure, FailureKind, Role};
-use protocol::process;
 
+use crate::calls::{Border, missing};
 use crate::handle::{Engine, Request, WRONG, guarded, handle};
-use crate::particles::{c_path, or_null};
+use crate::particles::or_null;
 
 /// Boundary: u = 0.
 pub const SILLAGE_NO_SLIP: u32 = 0;
@@ -205,44 +205,26 @@ pub unsafe extern "C" fn sillage_run_fluid(
         // SAFETY: as the caller promises.
         let (this, calls) = unsafe { (handle(engine)?, calls.as_ref()) };
         let calls = *calls.ok_or("calls is a null pointer")?;
-        let checkpoint = this.capabilities().contains(&Capability::Checkpoint);
-        let given = [
-            ("configure", calls.configure.is_some()),
-            ("advance", calls.advance.is_some()),
-            ("commit", calls.commit.is_some()),
-            ("save", calls.save.is_some() || !checkpoint),
-            ("restore", calls.restore.is_some() || !checkpoint),
-        ];
-        if let Some((name, _)) = given.iter().find(|(_, there)| !there) {
-            return Err(format!("calls.{name} is a null pointer"));
-        }
-        if !this.begin_run() {
-            return Err("this engine runs already".to_owned());
-        }
-        let mut foreign = Foreign {
+        let border = Border {
             this,
             engine,
-            calls,
             user,
+            commit: calls.commit,
+            save: calls.save,
+            restore: calls.restore,
         };
-        let code = process::exit_code(Role::Fluid.seat(), |run| {
+        let given = (calls.configure.is_some(), calls.advance.is_some());
+        border.run(Role::Fluid, given, |run| {
+            let mut foreign = Foreign { border, calls };
             serve_fluid(&mut foreign, engine_link(run, Role::Fluid)?)
-        });
-        this.end_run();
-        Ok(code)
+        })
     })
 }
 
 /// The engine behind the border.
 struct Foreign<'a> {
-    this: &'a Engine,
-    engine: *mut Engine,
+    border: Border<'a>,
     calls: FluidCalls,
-    user: *mut c_void,
-}
-
-fn missing(name: &str) -> Failure {
-    Failure::new(FailureKind::Engine, format!("the engine has no {name}"))
 }
 
 fn broken(why: impl Into<String>) -> Failure {
@@ -349,11 +331,11 @@ fn boundary(name: &CString, condition: &configure::Boundary) -> Boundary {
 
 impl FluidEngine for Foreign<'_> {
     fn identity(&self) -> (&'static str, &'static str) {
-        self.this.identity()
+        self.border.this.identity()
     }
 
     fn capabilities(&self) -> Vec<Capability> {
-        self.this.capabilities()
+        self.border.this.capabilities()
     }
 
     fn configure(&mut self, scene: &configure::FluidScene) -> Result<MeshDescription, Failure> {
@@ -420,8 +402,8 @@ impl FluidEngine for Foreign<'_> {
             nodal_mass: std::ptr::null(),
             period: [0.0; 2],
         };
-        let (engine, user) = (self.engine, self.user);
-        self.this.call("configure", || {
+        let (engine, user) = (self.border.engine, self.border.user);
+        self.border.this.call("configure", || {
             // SAFETY: the structures outlive the call and their arrays have the lengths they tell.
             unsafe { configure(engine, user, &raw const view, &raw mut mesh) }
         })?;
@@ -453,8 +435,8 @@ impl FluidEngine for Foreign<'_> {
             pressure_gradient: answer.pressure_gradient.as_mut_ptr(),
             pressure: answer.pressure.as_mut_ptr(),
         };
-        let (engine, user) = (self.engine, self.user);
-        self.this.call("advance", || {
+        let (engine, user) = (self.border.engine, self.border.user);
+        self.border.this.call("advance", || {
             // SAFETY: the structures outlive the call and their arrays have the lengths they tell.
             unsafe {
                 advance(
@@ -469,35 +451,14 @@ impl FluidEngine for Foreign<'_> {
     }
 
     fn commit(&mut self) -> Result<(), Failure> {
-        let commit = self.calls.commit.ok_or_else(|| missing("commit"))?;
-        let (engine, user) = (self.engine, self.user);
-        // SAFETY: the function takes what it was given with.
-        self.this
-            .call("commit", || unsafe { commit(engine, user) })
-            .map(drop)
+        self.border.commit()
     }
 
     fn save(&mut self, path: &Path) -> Result<(), Failure> {
-        let (save, path) = (
-            self.calls.save.ok_or_else(|| missing("save"))?,
-            c_path(path)?,
-        );
-        let (engine, user) = (self.engine, self.user);
-        // SAFETY: the path outlives the call.
-        self.this
-            .call("save", || unsafe { save(engine, user, path.as_ptr()) })
-            .map(drop)
+        self.border.save(path)
     }
 
     fn restore(&mut self, path: &Path) -> Result<(), Failure> {
-        let restore = self.calls.restore.ok_or_else(|| missing("restore"))?;
-        let path = c_path(path)?;
-        let (engine, user) = (self.engine, self.user);
-        // SAFETY: the path outlives the call.
-        self.this
-            .call("restore", || unsafe {
-                restore(engine, user, path.as_ptr())
-            })
-            .map(drop)
+        self.border.restore(path)
     }
 }

@@ -4,10 +4,12 @@
 //! | file | what |
 //! | --- | --- |
 //! | `handle` | the engine's handle, its capabilities, failures and numbers, the last error |
+//! | `calls` | what both seats do the same way |
 //! | `particles`, `fluid` | the two seats: what crosses the border, and the engine behind it |
 //!
 //! Nothing unwinds into C: every entry point catches panics and turns them into an error.
 
+mod calls;
 mod fluid;
 mod handle;
 mod particles;

@@ -1,14 +1,14 @@
 //! The particle seat.
 
-use std::ffi::{CString, c_char, c_void};
+use std::ffi::{c_char, c_void};
 use std::path::Path;
 
 use protocol::configure;
 use protocol::engine::{self, InitialGrains, ParticleEngine, serve_particles};
 use protocol::ipc::engine_link;
 use protocol::messages::{Advance, Capability, Diagnostic, Failure, FailureKind, Role};
-use protocol::process;
 
+use crate::calls::{Border, missing};
 use crate::handle::{Engine, Request, WRONG, guarded, handle};
 
 /// A wall segment from a to b (m): grains stay on the left of a to b, and off both ends.
@@ -156,53 +156,26 @@ pub unsafe extern "C" fn sillage_run_particles(
         // SAFETY: as the caller promises.
         let (this, calls) = unsafe { (handle(engine)?, calls.as_ref()) };
         let calls = *calls.ok_or("calls is a null pointer")?;
-        let checkpoint = this.capabilities().contains(&Capability::Checkpoint);
-        let given = [
-            ("configure", calls.configure.is_some()),
-            ("advance", calls.advance.is_some()),
-            ("commit", calls.commit.is_some()),
-            ("save", calls.save.is_some() || !checkpoint),
-            ("restore", calls.restore.is_some() || !checkpoint),
-        ];
-        if let Some((name, _)) = given.iter().find(|(_, there)| !there) {
-            return Err(format!("calls.{name} is a null pointer"));
-        }
-        if !this.begin_run() {
-            return Err("this engine runs already".to_owned());
-        }
-        let mut foreign = Foreign {
+        let border = Border {
             this,
             engine,
-            calls,
             user,
+            commit: calls.commit,
+            save: calls.save,
+            restore: calls.restore,
         };
-        let code = process::exit_code(Role::Particles.seat(), |run| {
+        let given = (calls.configure.is_some(), calls.advance.is_some());
+        border.run(Role::Particles, given, |run| {
+            let mut foreign = Foreign { border, calls };
             serve_particles(&mut foreign, engine_link(run, Role::Particles)?)
-        });
-        this.end_run();
-        Ok(code)
+        })
     })
 }
 
 /// The engine behind the border.
 struct Foreign<'a> {
-    this: &'a Engine,
-    engine: *mut Engine,
+    border: Border<'a>,
     calls: ParticleCalls,
-    user: *mut c_void,
-}
-
-fn missing(name: &str) -> Failure {
-    Failure::new(FailureKind::Engine, format!("the engine has no {name}"))
-}
-
-/// A path for C.
-pub(crate) fn c_path(path: &Path) -> Result<CString, Failure> {
-    let text = path.to_str().and_then(|text| CString::new(text).ok());
-    text.ok_or_else(|| {
-        let why = format!("{} cannot be a C string", path.display());
-        Failure::new(FailureKind::Engine, why)
-    })
 }
 
 pub(crate) fn or_null(values: Option<&[f64]>) -> *const f64 {
@@ -211,11 +184,11 @@ pub(crate) fn or_null(values: Option<&[f64]>) -> *const f64 {
 
 impl ParticleEngine for Foreign<'_> {
     fn identity(&self) -> (&'static str, &'static str) {
-        self.this.identity()
+        self.border.this.identity()
     }
 
     fn capabilities(&self) -> Vec<Capability> {
-        self.this.capabilities()
+        self.border.this.capabilities()
     }
 
     fn configure(
@@ -255,8 +228,8 @@ impl ParticleEngine for Foreign<'_> {
             volume: grains.volume.as_mut_ptr(),
             fixed: grains.fixed.as_mut_ptr(),
         };
-        let (engine, user) = (self.engine, self.user);
-        self.this.call("configure", || {
+        let (engine, user) = (self.border.engine, self.border.user);
+        self.border.this.call("configure", || {
             // SAFETY: the structures outlive the call and their arrays have the lengths they tell.
             unsafe { configure(engine, user, &raw const scene, &raw mut view) }
         })?;
@@ -300,8 +273,8 @@ impl ParticleEngine for Foreign<'_> {
             mean_velocity: answer.mean_velocity.as_mut_ptr(),
             contact: answer.contact.as_mut_ptr(),
         };
-        let (engine, user) = (self.engine, self.user);
-        self.this.call("advance", || {
+        let (engine, user) = (self.border.engine, self.border.user);
+        self.border.this.call("advance", || {
             // SAFETY: the structures outlive the call and their arrays have the lengths they tell.
             unsafe {
                 advance(
@@ -316,35 +289,14 @@ impl ParticleEngine for Foreign<'_> {
     }
 
     fn commit(&mut self) -> Result<(), Failure> {
-        let commit = self.calls.commit.ok_or_else(|| missing("commit"))?;
-        let (engine, user) = (self.engine, self.user);
-        // SAFETY: the function takes what it was given with.
-        self.this
-            .call("commit", || unsafe { commit(engine, user) })
-            .map(drop)
+        self.border.commit()
     }
 
     fn save(&mut self, path: &Path) -> Result<(), Failure> {
-        let (save, path) = (
-            self.calls.save.ok_or_else(|| missing("save"))?,
-            c_path(path)?,
-        );
-        let (engine, user) = (self.engine, self.user);
-        // SAFETY: the path outlives the call.
-        self.this
-            .call("save", || unsafe { save(engine, user, path.as_ptr()) })
-            .map(drop)
+        self.border.save(path)
     }
 
     fn restore(&mut self, path: &Path) -> Result<(), Failure> {
-        let restore = self.calls.restore.ok_or_else(|| missing("restore"))?;
-        let path = c_path(path)?;
-        let (engine, user) = (self.engine, self.user);
-        // SAFETY: the path outlives the call.
-        self.this
-            .call("restore", || unsafe {
-                restore(engine, user, path.as_ptr())
-            })
-            .map(drop)
+        self.border.restore(path)
     }
 }
