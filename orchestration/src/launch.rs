@@ -58,12 +58,20 @@ fn start(
 ) -> Result<Process, Error> {
     let command = command(planned, scene, folder)?;
     let log = folder.join(format!("logs/{}.log", planned.seat));
-    spawn(&planned.seat, command, log, runspace)
+    spawn(
+        &planned.seat,
+        &planned.command.join(" "),
+        command,
+        log,
+        runspace,
+    )
 }
 
-/// Start a process that takes this seat of the run; what it says goes to `log`.
+/// Start a process that takes this seat of the run; what it says goes to `log`. `said` is the command
+/// as its author wrote it, for the error.
 pub fn spawn(
     seat: &str,
+    said: &str,
     mut command: Command,
     log: PathBuf,
     runspace: &RunSpace,
@@ -83,10 +91,7 @@ pub fn spawn(
         .process_group(0);
     let child = command.spawn().map_err(|error| Error::Run {
         code: exit_code::ENGINE,
-        why: format!(
-            "the {seat} could not be started ({}): {error}",
-            words(&command)
-        ),
+        why: format!("the {seat} could not be started ({said}): {error}"),
     })?;
     tracing::info!("{seat} is process {}", child.id());
     Ok(Process {
@@ -99,13 +104,6 @@ pub fn spawn(
         memory_peak: 0,
         child,
     })
-}
-
-/// Program and arguments.
-fn words(command: &Command) -> String {
-    let words = std::iter::once(command.get_program()).chain(command.get_args());
-    let words: Vec<_> = words.map(|word| word.to_string_lossy()).collect();
-    words.join(" ")
 }
 
 /// Built-in programs lie beside this one; engines of the scene start in the scene's folder, and a

@@ -236,7 +236,8 @@ impl Engine {
             }
         };
         let log = folder.0.join(format!("{seat}.log"));
-        let process = launch::spawn(seat, command, log, runspace)?;
+        let built_in = format!("sillage-{seat}");
+        let process = launch::spawn(seat, engine.unwrap_or(&built_in), command, log, runspace)?;
         let over = Arc::new(AtomicBool::new(false));
         let (told, runspace) = (Arc::clone(&over), runspace.clone());
         let watch = std::thread::spawn(move || watch(process, &told, &runspace));
