@@ -95,7 +95,9 @@ fn kill_one(arguments: &[String], seat: &str, steps: usize, pause: Duration) -> 
         last_lines[0].clone()
     } else {
         codes.push(("orchestrator".into(), code));
-        assert_eq!(report(folder.path())["exit"]["code"], PARTNER_LOST);
+        let written = report(folder.path());
+        let exit = &written["exit"]["code"];
+        assert_eq!(*exit, PARTNER_LOST, "exit code {code:?}, said: {heard}");
         let last = heard.lines().rfind(|line| line.starts_with("sillage: "));
         last.unwrap_or_default().into()
     };
