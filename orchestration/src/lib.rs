@@ -16,6 +16,7 @@
 //! | `study` | error against run time: many runs, one table |
 //! | `view` | the page of a run, served while it goes on |
 //! | `doctor` | what this machine offers |
+//! | `stdout` | what commands say, into a pipe too |
 
 pub mod cli;
 pub mod conform;
@@ -33,6 +34,7 @@ pub mod replay;
 pub mod report;
 pub mod run;
 pub mod scene;
+pub mod stdout;
 pub mod study;
 pub mod table;
 pub mod verdict;

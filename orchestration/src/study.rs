@@ -23,6 +23,7 @@ use crate::cli::StudyArgs;
 use crate::error::{Error, exit_code};
 use crate::interrupt::Interrupts;
 use crate::output::vtu;
+use crate::say;
 use crate::{run, scene};
 use keys::StudyFile;
 use points::Point;
@@ -51,19 +52,19 @@ pub fn command(args: &StudyArgs) -> Result<(), Error> {
                 .iter()
                 .map(|(name, title)| json!({ "name": name, "title": title }))
                 .collect();
-            println!("{:#}", json!(list));
+            say!("{:#}", json!(list));
         } else {
             for (name, title) in studies {
-                println!("{name:<16} {title}");
+                say!("{name:<16} {title}");
             }
         }
         return Ok(());
     };
     let outcome = study(path, args.out.as_deref(), args.threads.get())?;
     if args.json {
-        println!("{:#}", outcome.document);
+        say!("{:#}", outcome.document);
     } else {
-        println!(
+        say!(
             "{}{}",
             outcome.table,
             outcome.folder.join("report.html").display()
