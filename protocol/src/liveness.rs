@@ -249,13 +249,15 @@ impl Watcher {
 
     /// Block until something happens, or until a loss that nobody noticed must be enforced.
     fn wait(&self, stop: &OwnedFd) -> Seen {
-        // Without a signal to heed, the second place is taken by a descriptor that is there anyway.
-        let told = process::told().unwrap_or(stop.as_fd());
+        // Polled only where there is one: descriptors are looked at one after another, and any
+        // other in its place could become ready in between.
+        let told = process::told();
         let mut fds = vec![
             PollFd::new(stop, PollFlags::IN),
-            PollFd::new(&told, PollFlags::IN),
             PollFd::new(&self.changes, PollFlags::IN),
         ];
+        fds.extend(told.iter().map(|told| PollFd::new(told, PollFlags::IN)));
+        let others = fds.len();
         fds.extend(
             self.known
                 .values()
@@ -270,13 +272,13 @@ impl Watcher {
         if ready[0] {
             return Seen::Stop;
         }
-        if ready[1] {
+        if told.is_some() && ready[2] {
             return Seen::Told;
         }
         let ended = self
             .known
             .keys()
-            .zip(&ready[3..])
+            .zip(&ready[others..])
             .filter(|(_, ready)| **ready);
         Seen::Ended(ended.map(|(seat, _)| seat.clone()).collect())
     }
