@@ -17,6 +17,7 @@
 //! | `view` | the page of a run, served while it goes on |
 //! | `doctor` | what this machine offers |
 
+pub mod batch;
 pub mod cli;
 pub mod conform;
 pub mod diff;
@@ -33,6 +34,7 @@ pub mod replay;
 pub mod report;
 pub mod run;
 pub mod scene;
+pub mod stability;
 pub mod study;
 pub mod table;
 pub mod verdict;
