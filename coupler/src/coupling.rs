@@ -221,7 +221,7 @@ impl Coupling {
         let placement = self.place(dt)?;
         let porosity = vec![1.0; self.transfer().node_count()];
         self.fluid_state = fluid;
-        let drag = self.drag_coefficients(&placement, &porosity, dt);
+        let drag = self.drag_coefficients(&placement, &porosity, Some(dt));
         let model = self.free_model(drag, dt, 1);
         let force = self.grain_force(&placement, &self.fluid_state, &model);
         let candidate = self.move_grains(&request, &model.drag, &force, 0)?;
@@ -299,12 +299,13 @@ impl Coupling {
         }
     }
 
-    /// γ of every grain, with the slip that the drag itself decides (D7).
+    /// γ of every grain, with the slip that the drag itself decides over `dt` (D7); none: with the
+    /// slip of the start.
     pub(crate) fn drag_coefficients(
         &self,
         placement: &Placement,
         porosity: &[f64],
-        dt: f64,
+        dt: Option<f64>,
     ) -> Vec<f64> {
         let (grains, gravity) = (&self.grains, self.scene.gravity);
         let scene = self.scene.fluid.as_ref().expect("drag needs a fluid");
@@ -322,24 +323,25 @@ impl Coupling {
         let coefficient = |i: usize| {
             let slip = [0, 1].map(|axis| grains.velocity[2 * i + axis] - velocity[2 * i + axis]);
             let bounded = local_porosity[i].clamp(drag::POROSITY_RANGE[0], drag::POROSITY_RANGE[1]);
-            let speed = if grains.fixed[i] {
-                slip[0].hypot(slip[1])
-            } else {
-                let inertia = grains.mass[i] / dt;
-                let drive = [0, 1].map(|axis| {
-                    let k = 2 * i + axis;
-                    inertia * slip[axis] + grains.mass[i] * gravity[axis]
-                        - grains.volume[i] * gradient[k]
-                        + grains.contact_force[k]
-                });
-                drag::implicit_slip_speed(
-                    self.scene.drag,
-                    &fluid,
-                    bounded,
-                    &self.shapes[i],
-                    inertia,
-                    drive[0].hypot(drive[1]),
-                )
+            let speed = match dt.filter(|_| !grains.fixed[i]) {
+                None => slip[0].hypot(slip[1]),
+                Some(dt) => {
+                    let inertia = grains.mass[i] / dt;
+                    let drive = [0, 1].map(|axis| {
+                        let k = 2 * i + axis;
+                        inertia * slip[axis] + grains.mass[i] * gravity[axis]
+                            - grains.volume[i] * gradient[k]
+                            + grains.contact_force[k]
+                    });
+                    drag::implicit_slip_speed(
+                        self.scene.drag,
+                        &fluid,
+                        bounded,
+                        &self.shapes[i],
+                        inertia,
+                        drive[0].hypot(drive[1]),
+                    )
+                }
             };
             drag::coefficient(self.scene.drag, &fluid, bounded, speed, &self.shapes[i])
         };

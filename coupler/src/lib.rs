@@ -5,6 +5,7 @@
 pub mod anderson;
 pub mod budget;
 pub mod clock;
+pub mod comparison;
 pub mod coupling;
 pub mod defect;
 pub mod drag;

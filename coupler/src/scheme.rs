@@ -97,6 +97,8 @@ impl Coupling {
         let porosity = self.porosity(&placement)?;
         let mut iteration = self.begin(&placement, porosity, dt)?;
         let (tolerance, passes_max) = match self.scene.scheme {
+            Scheme::SemiImplicit => return self.semi_implicit_step(dt),
+            Scheme::Explicit => return self.explicit_step(dt),
             Scheme::Staggered => (f64::INFINITY, 1),
             Scheme::Iterated {
                 tolerance,
@@ -138,7 +140,7 @@ impl Coupling {
         dt: f64,
     ) -> Result<Iteration, CouplerError> {
         let known = self.fluid_state.clone();
-        let drag = self.drag_coefficients(placement, &porosity, dt);
+        let drag = self.drag_coefficients(placement, &porosity, Some(dt));
         let mut model = self.free_model(drag, dt, 1);
         let mut sub_steps = 0;
         // at the start nobody knows yet who touches

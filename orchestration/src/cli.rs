@@ -7,12 +7,12 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use protocol::messages::Role;
 
-pub use pages::{ReportArgs, StudyArgs, ViewArgs};
+pub use pages::{ReportArgs, StabilityArgs, StudyArgs, ViewArgs};
 
 const EXIT_CODES: &str = "\
 Exit codes:
   0 ok                     5 partner lost
-  1 outside the tolerance (replay, diff), or a check failed (conform)
+  1 outside the tolerance (replay, diff), or a check failed (conform, stability)
   2 usage, scene or file   6 time limit
   3 handshake or version   7 not finite, or an invariant broken
   4 engine failed          8 not converged
@@ -29,6 +29,7 @@ Examples:
   sillage diff runs/cloud runs/coarse
   sillage report runs/cloud
   sillage study one-grain
+  sillage stability --quick
   sillage doctor --clean";
 
 const CONFORM_HELP: &str = "\
@@ -73,6 +74,8 @@ pub enum Command {
     Diff(DiffArgs),
     /// Error against run time: run a scene many times, and write tables and plots
     Study(StudyArgs),
+    /// Where each coupling scheme is stable: maps over stiff and extreme cases
+    Stability(StabilityArgs),
     /// Show a run in the browser while it goes on, or after it
     View(ViewArgs),
     /// Write one HTML file of a run or a study; it opens without a network

@@ -18,6 +18,7 @@
 //! | `doctor` | what this machine offers |
 //! | `stdout` | what commands say, into a pipe too |
 
+pub mod batch;
 pub mod cli;
 pub mod conform;
 pub mod diff;
@@ -34,6 +35,7 @@ pub mod replay;
 pub mod report;
 pub mod run;
 pub mod scene;
+pub mod stability;
 pub mod stdout;
 pub mod study;
 pub mod table;

@@ -7,7 +7,7 @@ use orchestration::cli::{CheckArgs, Cli, Command, ConformArgs, DoctorArgs, PlanA
 use orchestration::conform;
 use orchestration::error::Error;
 use orchestration::{
-    diff, doctor, plan, record, replay, report as pages, run, say, scene, study, view,
+    diff, doctor, plan, record, replay, report as pages, run, say, scene, stability, study, view,
 };
 use serde_json::json;
 
@@ -27,6 +27,7 @@ fn main() {
         Command::Replay(args) => (args.json, replay::command(&args)),
         Command::Diff(args) => (args.json, diff::command(&args)),
         Command::Study(args) => (args.json, study::command(&args)),
+        Command::Stability(args) => (args.json, stability::command(&args)),
         Command::View(args) => (args.json, view::command(&args)),
         Command::Report(args) => (args.json, pages::command(&args)),
         Command::Doctor(args) => (args.json, examine(&args)),

@@ -193,6 +193,14 @@ fn terms(scene: &Scene) -> Vec<String> {
         ));
         match scene.coupler.scheme {
             Scheme::Staggered => add("coupling: one pass a step"),
+            Scheme::SemiImplicit => add(
+                "coupling: for comparison, one pass with the solid's flux of the start of the step; \
+                 unstable where dense and stiff",
+            ),
+            Scheme::Explicit => add(
+                "coupling: for comparison, one pass with the drag of the start of the step; \
+                 unstable where the step is longer than the relaxation times",
+            ),
             Scheme::Iterated {
                 tolerance,
                 passes_max,

@@ -12,6 +12,7 @@ const QUIET: Duration = Duration::from_secs(5);
 /// Shows how far a run is.
 pub struct Progress {
     end_time: f64,
+    silent: bool,
     bar: Option<ProgressBar>,
     begun: Instant,
     spoken: Option<Instant>,
@@ -34,7 +35,21 @@ impl Progress {
         });
         Progress {
             end_time,
+            silent: false,
             bar,
+            begun: Instant::now(),
+            spoken: None,
+            step: 0,
+            time: 0.0,
+        }
+    }
+
+    /// Of a run that others report on: it only counts.
+    pub fn silent(end_time: f64) -> Self {
+        Progress {
+            end_time,
+            silent: true,
+            bar: None,
             begun: Instant::now(),
             spoken: None,
             step: 0,
@@ -47,6 +62,9 @@ impl Progress {
         let value = |name: &str| values.iter().find(|v| v.name == name).map(|v| v.value);
         self.step = value("step").map_or(self.step + 1, |step| step as u64);
         self.time = value("time").unwrap_or(self.time);
+        if self.silent {
+            return;
+        }
         let mut text = format!(
             "step {}, t = {:.4} of {} s",
             self.step, self.time, self.end_time
@@ -72,6 +90,7 @@ impl Progress {
     /// Say something without disturbing the bar.
     pub fn say(&self, text: &str) {
         match &self.bar {
+            _ if self.silent => {}
             Some(bar) => bar.suspend(|| eprintln!("{text}")),
             None => eprintln!("{text}"),
         }

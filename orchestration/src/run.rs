@@ -38,22 +38,42 @@ struct Used {
 
 /// Run a scene; `out` is the run folder, or one is made under `runs/`.
 pub fn run(scene: &Scene, out: Option<&Path>) -> Result<Outcome, Error> {
-    let begun = Instant::now();
-    let interrupts = Interrupts::count()?;
     let path = match out {
         Some(path) => path.to_path_buf(),
         None => fresh_folder(&scene.name)?,
     };
+    run_into(scene, &path, &Interrupts::count()?, Voice::Aloud)
+}
+
+/// What a run says on stderr.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Voice {
+    /// Where it goes, how far it is, and the last words of what failed.
+    Aloud,
+    /// Nothing: its outcome says it all.
+    Quiet,
+}
+
+/// Run a scene into this folder. Several may run at the same time, each in its own.
+pub fn run_into(
+    scene: &Scene,
+    path: &Path,
+    interrupts: &Interrupts,
+    voice: Voice,
+) -> Result<Outcome, Error> {
+    let begun = Instant::now();
     // A folder that cannot be used is a wrong --out, found before anything is computed.
     let unusable = |error: Error| Error::Usage(error.to_string());
-    clear_previous(&path).map_err(unusable)?;
-    let folder = RunFolder::create(&path, scene).map_err(unusable)?;
-    report::write(&path, &report::document(scene, &folder, None))?;
-    eprintln!("{} → {}", scene.name, path.display());
+    clear_previous(path).map_err(unusable)?;
+    let folder = RunFolder::create(path, scene).map_err(unusable)?;
+    report::write(path, &report::document(scene, &folder, None))?;
+    if voice == Voice::Aloud {
+        eprintln!("{} → {}", scene.name, path.display());
+    }
 
     let writer = Writer::start(folder);
     let mut used = Used::default();
-    let verdict = follow(scene, &path, &writer, interrupts, &mut used);
+    let verdict = follow(scene, path, &writer, interrupts.clone(), voice, &mut used);
     let (folder, written) = writer.finish()?;
     let verdict = match (verdict, written) {
         (Ok(verdict), Ok(())) => verdict,
@@ -88,9 +108,9 @@ pub fn run(scene: &Scene, out: Option<&Path>) -> Result<Outcome, Error> {
         memory_peak: used.memory_peak,
     };
     let document = report::document(scene, &folder, Some(&ending));
-    report::write(&path, &document)?;
+    report::write(path, &document)?;
     Ok(Outcome {
-        folder: path,
+        folder: path.to_path_buf(),
         document,
         ending,
     })
@@ -102,6 +122,7 @@ fn follow(
     path: &Path,
     writer: &Writer,
     interrupts: Interrupts,
+    voice: Voice,
     used: &mut Used,
 ) -> Result<Verdict, Error> {
     let runspace = RunSpace::create().map_err(transport)?;
@@ -113,7 +134,10 @@ fn follow(
         processes,
         writer,
         interrupts,
-        progress: Progress::new(scene.coupler.end_time),
+        progress: match voice {
+            Voice::Aloud => Progress::new(scene.coupler.end_time),
+            Voice::Quiet => Progress::silent(scene.coupler.end_time),
+        },
     };
     let verdict = watch.follow();
     for Process {
@@ -126,7 +150,8 @@ fn follow(
         used.cpu.insert(seat.clone(), *cpu);
         used.memory_peak.insert(seat.clone(), *memory_peak);
     }
-    if verdict.code != exit_code::OK && verdict.code != exit_code::INTERRUPTED {
+    let failed = verdict.code != exit_code::OK && verdict.code != exit_code::INTERRUPTED;
+    if failed && voice == Voice::Aloud {
         show_last_words(&watch.processes);
     }
     drop(watch);

@@ -12,21 +12,24 @@ pub mod measure;
 pub mod page;
 pub mod plot;
 pub mod points;
+pub mod program;
 pub mod results;
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use serde_json::{Value, json};
 
+use crate::batch::{self, Clock, Done};
 use crate::cli::StudyArgs;
 use crate::error::{Error, exit_code};
 use crate::interrupt::Interrupts;
 use crate::output::vtu;
+use crate::run::Voice;
 use crate::say;
-use crate::{run, scene};
+use crate::scene::{self, Scene};
 use keys::StudyFile;
 use points::Point;
+use program::Program;
 use results::{Cost, Row, Sample};
 
 /// A study that was run, perhaps in part.
@@ -170,11 +173,10 @@ pub fn study(path: &Path, out: Option<&Path>, threads: usize) -> Result<Outcome,
         None => Vec::new(),
     };
     let all: Vec<Point> = points.iter().chain(&finer).cloned().collect();
-    let scene_path = base.join(&study.scene);
     // Every point is checked before the first one runs.
-    let scenes = all
+    let jobs = all
         .iter()
-        .map(|point| scene::load(&scene_path, &point.settings, threads))
+        .map(|point| Job::new(&study, &base, point, threads))
         .collect::<Result<Vec<_>, Error>>()?;
 
     let interrupts = Interrupts::count()?;
@@ -190,27 +192,34 @@ pub fn study(path: &Path, out: Option<&Path>, threads: usize) -> Result<Outcome,
                 .join("points")
                 .join(point.folder())
                 .join(repeat.to_string());
-            let mark = mark(&scenes[index], point);
-            let sample = match known(&place, &mark, &study)? {
-                Some(sample) => {
+            let mark = jobs[index].mark(point);
+            let done = match batch::known(&place, &mark) {
+                Some(done) => {
                     clock.skip();
-                    sample
+                    done
                 }
                 None if interrupts.so_far() > 0 => {
                     interrupted = true;
                     break 'runs;
                 }
                 None => {
-                    clock.announce(&point.names, repeat);
-                    let Some(sample) = one(&scenes[index], &place, &mark, &study)? else {
+                    let what = format!("{}, repeat {repeat}", point.names.join(", "));
+                    eprintln!("{}: {what}", clock.line());
+                    let done = match &jobs[index] {
+                        Job::Scene(scene) => {
+                            batch::one(scene, &place, &mark, &interrupts, Voice::Aloud)?
+                        }
+                        Job::Program(program) => program.run(&place)?,
+                    };
+                    let Some(done) = done else {
                         interrupted = true;
                         break 'runs;
                     };
                     clock.ran();
-                    sample
+                    done
                 }
             };
-            samples[index].push(sample);
+            samples[index].push(sample(&place, &done, &study));
         }
     }
     let (samples, finest) = samples.split_at(points.len());
@@ -220,6 +229,30 @@ pub fn study(path: &Path, out: Option<&Path>, threads: usize) -> Result<Outcome,
     };
     let rows = results::rows(&study, &points, samples, &truth);
     finish(&folder, &name, &study, &rows, interrupted)
+}
+
+/// What a point runs.
+enum Job {
+    Scene(Box<Scene>),
+    Program(Program),
+}
+
+impl Job {
+    fn new(study: &StudyFile, base: &Path, point: &Point, threads: usize) -> Result<Job, Error> {
+        if let Some(program) = &study.program {
+            return Program::new(program, &point.settings).map(Job::Program);
+        }
+        let path = base.join(study.scene.as_deref().unwrap_or(Path::new("")));
+        let scene = scene::load(&path, &point.settings, threads)?;
+        Ok(Job::Scene(Box::new(scene)))
+    }
+
+    fn mark(&self, point: &Point) -> Value {
+        match self {
+            Job::Scene(scene) => batch::mark(scene, &point.settings),
+            Job::Program(program) => program.mark(),
+        }
+    }
 }
 
 /// The median of the finer runs, if there is one.
@@ -256,55 +289,18 @@ fn finish(
     })
 }
 
-/// What makes a point the same: its scene as resolved, its grains and its engines.
-fn mark(scene: &scene::Scene, point: &Point) -> Value {
-    json!({ "settings": point.settings, "scene": scene.coupler, "text": scene.text })
-}
-
-/// The sample of a run that is there already.
-fn known(place: &Path, mark: &Value, study: &StudyFile) -> Result<Option<Sample>, Error> {
-    let Ok(text) = std::fs::read_to_string(place.join("point.json")) else {
-        return Ok(None);
-    };
-    let Ok(point) = serde_json::from_str::<Value>(&text) else {
-        return Ok(None);
-    };
-    if point["mark"] != *mark {
-        return Ok(None);
-    }
-    let text = std::fs::read_to_string(place.join("run.json")).unwrap_or_default();
-    let document = serde_json::from_str(&text).unwrap_or(Value::Null);
-    Ok(Some(sample(place, &document, &point, study)))
-}
-
-/// Run one point; none when it was interrupted.
-fn one(
-    scene: &scene::Scene,
-    place: &Path,
-    mark: &Value,
-    study: &StudyFile,
-) -> Result<Option<Sample>, Error> {
-    let outcome = run::run(scene, Some(place))?;
-    if outcome.ending.code == exit_code::INTERRUPTED {
-        return Ok(None);
-    }
-    let point = json!({
-        "mark": mark,
-        "exit": outcome.ending.code,
-        "why": outcome.ending.why,
-        "load": load(),
-    });
-    vtu::write(&place.join("point.json"), format!("{point:#}\n"))?;
-    Ok(Some(sample(place, &outcome.document, &point, study)))
-}
-
-fn sample(place: &Path, document: &Value, point: &Value, study: &StudyFile) -> Sample {
+fn sample(place: &Path, done: &Done, study: &StudyFile) -> Sample {
+    let Done { point, document } = done;
     if point["exit"] != exit_code::OK {
         let why = point["why"].as_str().unwrap_or("ended early");
         return Sample::Failed(format!("exit code {}: {why}", point["exit"]));
     }
-    let value = match measure::measure(&study.measure, place, document) {
-        Ok(value) => value,
+    let measures = std::iter::once(&study.measure).chain(study.also.iter().map(|a| &a.measure));
+    let values: Result<Vec<f64>, Error> = measures
+        .map(|measure| measure::measure(measure, place, document))
+        .collect();
+    let (value, also) = match values {
+        Ok(values) => (values[0], values[1..].to_vec()),
         Err(error) => return Sample::Failed(error.to_string()),
     };
     let cost = &document["cost"];
@@ -318,6 +314,7 @@ fn sample(place: &Path, document: &Value, point: &Value, study: &StudyFile) -> S
     let cpu = table("cpu_process");
     Sample::Run {
         value,
+        also,
         cost: Cost {
             cpu_total: cpu.values().sum(),
             cpu,
@@ -327,57 +324,5 @@ fn sample(place: &Path, document: &Value, point: &Value, study: &StudyFile) -> S
             passes: number(&cost["passes"]),
             load: number(&point["load"]),
         },
-    }
-}
-
-/// Runnable processes, mean of the last minute.
-fn load() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/loadavg").ok()?;
-    text.split_whitespace().next()?.parse().ok()
-}
-
-/// How far a study is.
-struct Clock {
-    all: usize,
-    done: usize,
-    ran: usize,
-    begun: Instant,
-}
-
-impl Clock {
-    fn new(all: usize) -> Self {
-        Clock {
-            all,
-            done: 0,
-            ran: 0,
-            begun: Instant::now(),
-        }
-    }
-
-    fn skip(&mut self) {
-        self.done += 1;
-    }
-
-    fn ran(&mut self) {
-        self.done += 1;
-        self.ran += 1;
-    }
-
-    fn announce(&self, names: &[String], repeat: usize) {
-        let filled = 24 * self.done / self.all.max(1);
-        let bar = "█".repeat(filled) + &"░".repeat(24 - filled);
-        let left = match self.ran {
-            0 => String::new(),
-            ran => {
-                let each = self.begun.elapsed().as_secs_f64() / ran as f64;
-                format!(", about {:.0} s left", each * (self.all - self.done) as f64)
-            }
-        };
-        eprintln!(
-            "{bar} {} of {} runs{left}: {}, repeat {repeat}",
-            self.done,
-            self.all,
-            names.join(", ")
-        );
     }
 }

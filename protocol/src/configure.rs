@@ -246,6 +246,12 @@ pub enum Scheme {
         /// Passes allowed; more is an error.
         passes_max: u32,
     },
+    /// For comparison: the drag is implicit on either side, each with the other's velocity of the
+    /// start of the step, and the solid's flux is that of the start. Unstable where dense and stiff.
+    SemiImplicit,
+    /// For comparison: the drag is evaluated with both velocities of the start of the step. Unstable
+    /// once the step is longer than the relaxation times.
+    Explicit,
 }
 
 /// Drag law.

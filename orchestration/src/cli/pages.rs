@@ -34,6 +34,49 @@ pub struct StudyArgs {
     pub json: bool,
 }
 
+/// Arguments of `stability`.
+#[derive(Debug, Args)]
+#[command(after_help = format!(
+    "Every cell of a map is a small scene with a closed-form limit, run under four schemes: explicit,\n\
+     semi-implicit with the solid's flux of the last step, staggered (one pass of the affine response),\n\
+     and iterated, the default. A cell is stable, or: not finite, growth, not converged, budget broken,\n\
+     wrong limit; or `check` refuses the scene and says why. The default must not fail: exit code 1.\n\n\
+     Written: stability.json, stability.csv (passes, sub-steps and error of every cell), and for each pair\n\
+     of axes heat/NAME.svg and .png. Each cell is a run folder OUT/cells/MAP/X_Y/SCHEME; those that are\n\
+     there are not run again, so Ctrl-C loses only what is in progress.\n\n\
+     Examples:\n  sillage stability --list\n  sillage stability --quick\n  \
+     sillage stability --axes stiffness-porosity --axes step-pair --out runs/stability\n\n{EXIT_CODES}"
+))]
+pub struct StabilityArgs {
+    /// Only this pair of axes (repeatable); --list names them
+    #[arg(long, value_name = "NAME")]
+    pub axes: Vec<String>,
+    /// A few points of every axis, both ends among them: less than 3 minutes on two cores
+    #[arg(long)]
+    pub quick: bool,
+    /// Name the pairs of axes, and what is run at their points
+    #[arg(long)]
+    pub list: bool,
+    /// Where results and runs go
+    #[arg(long, value_name = "DIR", default_value = "stability")]
+    pub out: PathBuf,
+    /// Cells that run at the same time (default: all cores)
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<std::num::NonZeroUsize>,
+    /// One JSON document on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl StabilityArgs {
+    /// Cells that run at the same time.
+    pub fn jobs(&self) -> usize {
+        self.jobs
+            .or_else(|| std::thread::available_parallelism().ok())
+            .map_or(1, std::num::NonZeroUsize::get)
+    }
+}
+
 /// Arguments of `view`.
 #[derive(Debug, Args)]
 #[command(after_help = format!(

@@ -241,7 +241,8 @@ pub struct Contact {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Coupling {
-    /// "staggered": one pass; or { iterated = { tolerance, passes_max } }.
+    /// { iterated = { tolerance, passes_max } }; or "staggered": one pass. For comparison only, as
+    /// they lose stability where stiff: "semi-implicit" and "explicit".
     #[schemars(schema_with = "schema::scheme")]
     pub scheme: Option<Scheme>,
     /// Drag law: dallavalle, di-felice, wen-yu, gidaspow, beetstra, stokes or migflow.

@@ -54,7 +54,7 @@ pub(super) fn nonlinear(_: &mut SchemaGenerator) -> Schema {
 
 pub(super) fn scheme(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "oneOf": [
-        { "const": "staggered" },
+        { "enum": ["staggered", "semi-implicit", "explicit"] },
         tagged("iterated", &[("tolerance", "number"), ("passes_max", "integer")]),
     ] })
 }

@@ -13,8 +13,10 @@ use crate::error::Error;
 pub struct StudyFile {
     /// What the study shows, in a line.
     pub title: String,
-    /// Scene file, relative to the study.
-    pub scene: PathBuf,
+    /// Scene file, relative to the study …
+    pub scene: Option<PathBuf>,
+    /// … or a program beside `sillage` that prints one JSON object; settings are its arguments.
+    pub program: Option<String>,
     /// Settings of all points, KEY=VALUE as for `--set`.
     #[serde(default)]
     pub set: Vec<String>,
@@ -23,8 +25,11 @@ pub struct StudyFile {
     pub repeats: usize,
     /// What is varied; observed orders are taken along the first.
     pub axis: Vec<Axis>,
-    /// What is measured.
+    /// What is measured: the first is plotted, all stand in the tables.
     pub measure: Measure,
+    /// What else is measured.
+    #[serde(default)]
+    pub also: Vec<Also>,
     /// What is true; without it values are shown and no errors.
     pub reference: Option<Reference>,
 }
@@ -88,6 +93,16 @@ pub struct Measure {
     pub offset: f64,
 }
 
+/// Another number taken from a run.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Also {
+    /// The number.
+    pub measure: Measure,
+    /// What it would be without error; without it the value stands in the tables, not its error.
+    pub reference: Option<f64>,
+}
+
 /// What the measure would be without error.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -132,6 +147,9 @@ pub fn read(path: &Path) -> Result<StudyFile, Error> {
 }
 
 fn check(study: &StudyFile) -> Result<(), String> {
+    if study.scene.is_some() == study.program.is_some() {
+        return Err("needs either scene or program".into());
+    }
     if study.axis.is_empty() {
         return Err("no [[axis]]: a study varies something".into());
     }
@@ -155,6 +173,14 @@ fn check(study: &StudyFile) -> Result<(), String> {
             }
         }
     }
+    for measure in study.also.iter().map(|also| &also.measure) {
+        check_measure(measure)?;
+    }
+    check_measure(&study.measure)?;
+    check_reference(study.reference.as_ref())
+}
+
+fn check_measure(measure: &Measure) -> Result<(), String> {
     let Measure {
         column,
         json,
@@ -164,7 +190,7 @@ fn check(study: &StudyFile) -> Result<(), String> {
         largest,
         per,
         ..
-    } = &study.measure;
+    } = measure;
     if column.is_some() == json.is_some() {
         return Err("measure: needs either column (of steps.csv) or json (of run.json)".into());
     }
@@ -186,7 +212,11 @@ fn check(study: &StudyFile) -> Result<(), String> {
             return Err(format!("measure: {window:?} must be [from, to] in s"));
         }
     }
-    if let Some(reference) = &study.reference {
+    Ok(())
+}
+
+fn check_reference(reference: Option<&Reference>) -> Result<(), String> {
+    if let Some(reference) = reference {
         let ways = [
             reference.value.is_some(),
             reference.file.is_some(),

@@ -1,0 +1,344 @@
+//! `sillage stability`: where each coupling scheme is stable.
+//!
+//! ```text
+//!   maps = pairs of axes ─► cells × schemes ─► small scenes, run as real processes, some at a time
+//!                                                  │ cells/MAP/X_Y/SCHEME: a run folder, point.json
+//!         table, CSV, JSON, heat maps ◄── verdicts ◄──┘ when it is over: it is not run again
+//! ```
+
+pub mod heat;
+pub mod limits;
+pub mod maps;
+pub mod results;
+pub mod scenes;
+pub mod verdict;
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use serde_json::json;
+
+use crate::batch::{self, Clock};
+use crate::cli::StabilityArgs;
+use crate::error::{Error, exit_code};
+use crate::interrupt::Interrupts;
+use crate::run::Voice;
+use crate::say;
+use crate::scene::document::Document;
+use crate::scene::{self, Scene};
+use crate::table::Table;
+use maps::Map;
+use results::{Cell, MapResult};
+use scenes::Case;
+use verdict::Finding;
+
+/// The schemes that are compared, from the least implicit to the default.
+pub const SCHEMES: [(&str, &str); 4] = [
+    ("explicit", "\"explicit\""),
+    ("semi-implicit", "\"semi-implicit\""),
+    ("staggered", "\"staggered\""),
+    (
+        DEFAULT,
+        "{ iterated = { tolerance = 1e-3, passes_max = 60 } }",
+    ),
+];
+
+/// The scheme that must be stable everywhere.
+pub const DEFAULT: &str = "iterated";
+
+/// One scheme at one point of a map.
+#[derive(Debug, Clone, Copy)]
+struct Job {
+    map: usize,
+    across: usize,
+    up: usize,
+    scheme: usize,
+}
+
+/// `sillage stability`.
+pub fn command(args: &StabilityArgs) -> Result<(), Error> {
+    let maps = chosen(&args.axes)?;
+    if args.list {
+        list(&maps, args.json);
+        return Ok(());
+    }
+    let begun = Instant::now();
+    let folder = &args.out;
+    std::fs::create_dir_all(folder)
+        .map_err(|error| Error::Usage(format!("cannot create {}: {error}", folder.display())))?;
+    let jobs = jobs(&maps, args.quick);
+    let (findings, interrupted) = run_all(&maps, &jobs, folder, args.jobs())?;
+    let results = collect(&maps, &jobs, findings, args.quick);
+    let document = results::document(&results, args.quick, !interrupted);
+    results::write(folder, &document, &results)?;
+    heat::write(folder, &results)?;
+    if args.json {
+        say!("{document:#}");
+    } else {
+        let seconds = begun.elapsed().as_secs_f64();
+        print!("{}", results::text(&results));
+        say!(
+            "{} cells in {seconds:.0} s → {}",
+            jobs.len(),
+            folder.display()
+        );
+    }
+    // The document is on stdout already; main adds none.
+    let failed = results::failed(&results);
+    let early = if interrupted {
+        Some((
+            exit_code::INTERRUPTED,
+            "interrupted: what was run is kept".to_string(),
+        ))
+    } else if failed > 0 {
+        let why = format!("the default scheme fails in {failed} cells; the table says how");
+        Some((exit_code::DIFFERENT, why))
+    } else {
+        None
+    };
+    if let Some((code, why)) = early {
+        eprintln!("sillage: {why}");
+        std::process::exit(code);
+    }
+    Ok(())
+}
+
+fn chosen(names: &[String]) -> Result<Vec<Map>, Error> {
+    let mut maps = maps::all();
+    let known: Vec<&str> = maps.iter().map(|map| map.name).collect();
+    if let Some(unknown) = names.iter().find(|name| !known.contains(&name.as_str())) {
+        let meant = scene::read::nearest(unknown, &known)
+            .map_or(String::new(), |name| format!("; did you mean {name}?"));
+        return Err(Error::Usage(format!(
+            "--axes {unknown}: no such pair{meant} (pairs: {})",
+            known.join(", ")
+        )));
+    }
+    if !names.is_empty() {
+        maps.retain(|map| names.iter().any(|name| name == map.name));
+    }
+    Ok(maps)
+}
+
+fn list(maps: &[Map], as_json: bool) {
+    let entry = |map: &Map| {
+        json!({
+            "name": map.name,
+            "title": map.title,
+            "across": { "name": map.across.name, "values": map.across.labels },
+            "up": { "name": map.up.name, "values": map.up.labels },
+        })
+    };
+    if as_json {
+        say!("{:#}", json!(maps.iter().map(entry).collect::<Vec<_>>()));
+        return;
+    }
+    for map in maps {
+        say!(
+            "{:<19} {} × {}: {}",
+            map.name,
+            map.across.name,
+            map.up.name,
+            map.title
+        );
+    }
+}
+
+/// Every cell; `--quick` takes the default at a few places of each axis, the others at the corners.
+fn jobs(maps: &[Map], quick: bool) -> Vec<Job> {
+    let mut jobs = Vec::new();
+    for (number, map) in maps.iter().enumerate() {
+        for up in map.up.places(quick) {
+            for across in map.across.places(quick) {
+                let corner = map.across.is_end(across) && map.up.is_end(up);
+                for (scheme, (name, _)) in SCHEMES.iter().enumerate() {
+                    let default = *name == DEFAULT;
+                    if default || map.coupled && (!quick || corner) {
+                        jobs.push(Job {
+                            map: number,
+                            across,
+                            up,
+                            scheme,
+                        });
+                    }
+                }
+            }
+        }
+    }
+    jobs
+}
+
+/// Run what is not there yet, `workers` at a time; a finding a job, none where interrupted.
+fn run_all(
+    maps: &[Map],
+    jobs: &[Job],
+    folder: &Path,
+    workers: usize,
+) -> Result<(Vec<Option<Finding>>, bool), Error> {
+    let interrupts = Interrupts::count()?;
+    let next = AtomicUsize::new(0);
+    let clock = Mutex::new((Clock::new(jobs.len()), Gauge::new()));
+    let findings: Vec<Mutex<Option<Finding>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
+    let work = || -> Result<(), Error> {
+        while interrupts.so_far() == 0 {
+            let index = next.fetch_add(1, Ordering::SeqCst);
+            let Some(job) = jobs.get(index) else { break };
+            let (finding, fresh) = one(maps, job, folder, &interrupts)?;
+            *findings[index].lock().expect("no worker panics") = finding;
+            let (clock, gauge) = &mut *clock.lock().expect("no worker panics");
+            if fresh {
+                clock.ran()
+            } else {
+                clock.skip()
+            }
+            gauge.show(&clock.line());
+        }
+        Ok(())
+    };
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
+        let ends = threads
+            .into_iter()
+            .map(|thread| thread.join().expect("no worker panics"));
+        ends.collect::<Result<Vec<()>, Error>>()
+    })?;
+    clock.into_inner().expect("no worker panics").1.finish();
+    let findings = findings
+        .into_iter()
+        .map(|own| own.into_inner().expect("no worker panics"));
+    Ok((findings.collect(), interrupts.so_far() > 0))
+}
+
+/// The finding of a job, and whether it had to be run.
+fn one(
+    maps: &[Map],
+    job: &Job,
+    folder: &Path,
+    interrupts: &Interrupts,
+) -> Result<(Option<Finding>, bool), Error> {
+    let map = &maps[job.map];
+    let case = (map.case)(map.across.values[job.across], map.up.values[job.up]);
+    let settings = settings(map, job.scheme);
+    let scene = match load(map, &case, &settings) {
+        Ok(scene) => scene,
+        Err(Error::Scene(problems)) => {
+            return Ok((Some(Finding::refused(problems.to_string())), false));
+        }
+        Err(error) => return Err(error),
+    };
+    let place = place(folder, map, job);
+    let mark = batch::mark(&scene, &settings);
+    let (done, fresh) = match batch::known(&place, &mark) {
+        Some(done) => (Some(done), false),
+        None => (
+            batch::one(&scene, &place, &mark, interrupts, Voice::Quiet)?,
+            true,
+        ),
+    };
+    let Some(done) = done else {
+        return Ok((None, fresh));
+    };
+    let steps = Table::read(&place.join("steps.csv"))?;
+    Ok((Some(verdict::judge(&case, &done, &steps)), fresh))
+}
+
+fn settings(map: &Map, scheme: usize) -> Vec<String> {
+    let mut settings = vec![
+        "output.frames=false".to_string(),
+        "output.fields=[]".to_string(),
+        format!("limits.step={:e}", verdict::SECONDS),
+    ];
+    if map.coupled {
+        settings.push(format!("coupling.scheme={}", SCHEMES[scheme].1));
+    }
+    settings
+}
+
+fn load(map: &Map, case: &Case, settings: &[String]) -> Result<Scene, Error> {
+    let name = PathBuf::from(map.name).with_extension("toml");
+    let document = Document::parse(&name, case.text.clone(), settings)?;
+    scene::from_document(&document, 1)
+}
+
+fn place(folder: &Path, map: &Map, job: &Job) -> PathBuf {
+    let plain = |label: &str| -> String {
+        let keep = |c: char| {
+            if c.is_ascii_alphanumeric() || ".-".contains(c) {
+                c
+            } else {
+                '-'
+            }
+        };
+        label.chars().map(keep).collect()
+    };
+    let (across, up) = (&map.across.labels[job.across], &map.up.labels[job.up]);
+    let point = format!("{}_{}", plain(across), plain(up));
+    folder
+        .join("cells")
+        .join(map.name)
+        .join(point)
+        .join(SCHEMES[job.scheme].0)
+}
+
+fn collect(
+    maps: &[Map],
+    jobs: &[Job],
+    findings: Vec<Option<Finding>>,
+    quick: bool,
+) -> Vec<MapResult> {
+    let mut results: Vec<MapResult> = maps.iter().map(|map| MapResult::new(map, quick)).collect();
+    for (job, finding) in jobs.iter().zip(findings) {
+        let Some(finding) = finding else { continue };
+        let map = &maps[job.map];
+        let case = (map.case)(map.across.values[job.across], map.up.values[job.up]);
+        results[job.map].cells.push(Cell {
+            across: job.across,
+            up: job.up,
+            scheme: SCHEMES[job.scheme].0,
+            limit: case.limit.value,
+            steps_asked: case.steps,
+            finding,
+        });
+    }
+    results
+}
+
+/// The progress of many runs on stderr: one line rewritten on a terminal, a line now and then otherwise.
+struct Gauge {
+    terminal: bool,
+    said: Option<Instant>,
+}
+
+impl Gauge {
+    fn new() -> Gauge {
+        let terminal = std::io::IsTerminal::is_terminal(&std::io::stderr());
+        Gauge {
+            terminal,
+            said: None,
+        }
+    }
+
+    fn show(&mut self, line: &str) {
+        let pause = if self.terminal { 0.1 } else { 10.0 };
+        if self
+            .said
+            .is_some_and(|said| said.elapsed().as_secs_f64() < pause)
+        {
+            return;
+        }
+        self.said = Some(Instant::now());
+        if self.terminal {
+            eprint!("\r{line}\x1b[K");
+        } else {
+            eprintln!("{line}");
+        }
+    }
+
+    fn finish(&self) {
+        if self.terminal {
+            eprint!("\r\x1b[K");
+        }
+    }
+}
