@@ -79,8 +79,11 @@ pub struct Measure {
     pub mean: Option<[f64; 2]>,
     /// … its slope between two times (s), …
     pub slope: Option<[f64; 2]>,
-    /// … its largest value between two times (s); none of these: the value of the last step.
+    /// … its largest value between two times (s), …
     pub largest: Option<[f64; 2]>,
+    /// … how far it rises above an earlier value between two times (s); none of these: the value of
+    /// the last step.
+    pub rise: Option<[f64; 2]>,
     /// Or a number of run.json, e.g. "/cost/wall_exchange" …
     pub json: Option<String>,
     /// … over another one, e.g. "/cost/passes".
@@ -188,6 +191,7 @@ fn check_measure(measure: &Measure) -> Result<(), String> {
         mean,
         slope,
         largest,
+        rise,
         per,
         ..
     } = measure;
@@ -199,15 +203,16 @@ fn check_measure(measure: &Measure) -> Result<(), String> {
         mean.is_some(),
         slope.is_some(),
         largest.is_some(),
+        rise.is_some(),
     ];
     let ways = ways.iter().filter(|&&way| way).count();
     if ways > 1 || (ways == 1 && json.is_some()) || (per.is_some() && json.is_none()) {
         return Err(
-            "measure: column takes at most one of time, mean, slope and largest; json takes per"
+            "measure: column takes at most one of time, mean, slope, largest and rise; json takes per"
                 .into(),
         );
     }
-    for window in [mean, slope, largest].into_iter().flatten() {
+    for window in [mean, slope, largest, rise].into_iter().flatten() {
         if window[0].partial_cmp(&window[1]) != Some(std::cmp::Ordering::Less) {
             return Err(format!("measure: {window:?} must be [from, to] in s"));
         }
