@@ -48,7 +48,7 @@ pub fn columns(coupling: &Coupling, report: &StepReport, cost: &StepCost) -> Vec
     row.add("interaction_defect", report.interaction_defect);
     row.add("energy_defect", report.budget.energy_defect);
     row.add("transfer_loss", report.budget.transfer_loss);
-    add_grains(&mut row, coupling);
+    add_grains(&mut row, coupling, report);
     add_fluid(&mut row, coupling);
     row.0
 }
@@ -65,7 +65,7 @@ impl Row {
     }
 }
 
-fn add_grains(row: &mut Row, coupling: &Coupling) {
+fn add_grains(row: &mut Row, coupling: &Coupling, report: &StepReport) {
     let Some(seat) = &coupling.particles else {
         return;
     };
@@ -79,6 +79,10 @@ fn add_grains(row: &mut Row, coupling: &Coupling) {
     let (mut x, mut y) = (axis(&grains.position, 0), axis(&grains.position, 1));
     row.add("centre_x", mean(&x));
     row.add("centre_y", mean(&y));
+    // Grains move with the velocity of the step's end, so their places are half a step ahead of it:
+    // the middle of the last path belongs to the time of the row, to second order.
+    let path = mean(&axis(&grains.mean_velocity, 1));
+    row.add("centre_y_mid", mean(&y) - 0.5 * report.dt * path);
     row.add("fall_speed", -mean(&axis(&grains.velocity, 1)));
     for (name, value) in mechanics(coupling) {
         row.add(name, value);
