@@ -106,10 +106,11 @@ fn add_fluid(row: &mut Row, coupling: &Coupling) {
     }
 }
 
-/// Numbers of the fluid engine that stand in `steps.csv` as they are: inflow \[m²/s\], pressure drop
+/// Numbers of the fluid engine that stand in `steps.csv` as they are: Reynolds number of the flow, is
+/// convection there (1, 0), inflow \[m²/s\], pressure drop
 /// \[Pa\], forces on walls and bodies \[N/m\].
 fn is_column(name: &str) -> bool {
-    matches!(name, "inflow" | "pressure_drop")
+    matches!(name, "inflow" | "pressure_drop" | "reynolds" | "convection")
         || name.starts_with("force_x_")
         || name.starts_with("force_y_")
 }

@@ -39,6 +39,8 @@ pub struct State {
     pub before: Option<(Flow, f64)>,
     /// Pressure \[Pa\].
     pub pressure: Vec<f64>,
+    /// Was a step no creeping flow? Then convection is there from that step on.
+    pub convected: bool,
 }
 
 impl State {
@@ -53,6 +55,7 @@ impl State {
             },
             before: None,
             pressure: vec![0.0; node_count],
+            convected: false,
         }
     }
 

@@ -3,7 +3,9 @@
 use std::fmt;
 use std::path::Path;
 
-use protocol::configure::{Boundary, FluidScene, Geometry, MeshSource, Nonlinear, Scheme};
+use protocol::configure::{
+    Boundary, Convection, FluidScene, Geometry, MeshSource, Nonlinear, Scheme,
+};
 use protocol::field::Field;
 use serde::Serialize;
 
@@ -163,8 +165,12 @@ fn terms(scene: &Scene) -> Vec<String> {
         } else {
             "fluid: Navier–Stokes in the velocity and the pressure"
         });
-        if fluid.convection {
-            add("fluid: convection ρφ v·∇v");
+        match fluid.convection {
+            Convection::Always => add("fluid: convection ρφ v·∇v"),
+            Convection::AsNeeded => {
+                add("fluid: convection ρφ v·∇v, from the first step that needs it")
+            }
+            Convection::Never => {}
         }
         add(&format!(
             "fluid: time scheme {:?}, {}",
@@ -279,7 +285,7 @@ fn left_out(scene: &Scene) -> Vec<String> {
     match &coupler.fluid {
         None => add("fluid process, mesh, drag, transfer: the scene has no [fluid]"),
         Some(fluid) => {
-            if !fluid.convection {
+            if fluid.convection == Convection::Never {
                 add("convection of the fluid: convection = false");
             }
             let pressure_given = fluid

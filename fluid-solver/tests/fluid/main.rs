@@ -2,6 +2,7 @@
 
 mod balance;
 mod benchmarks;
+mod creeping;
 mod jet;
 mod manufactured;
 mod porous;

@@ -282,6 +282,7 @@ fn end_velocity(scheme: TimeScheme, dt: f64) -> Vec<[f64; 2]> {
         now,
         before: None,
         pressure,
+        convected: false,
     });
     for _ in 0..(0.5 / dt).round() as usize {
         exact.step(&mut solver, dt);

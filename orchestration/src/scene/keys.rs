@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use protocol::configure::{
-    AdaptiveStep, Diagonals, DragLaw, Geometry, Nonlinear, Profile, Scheme, TimeScheme, ViscousForm,
+    AdaptiveStep, Convection, Diagonals, DragLaw, Geometry, Nonlinear, Profile, Scheme, TimeScheme,
+    ViscousForm,
 };
 use protocol::recording::Compression;
 use schemars::JsonSchema;
@@ -79,9 +80,10 @@ pub struct Fluid {
     /// Condition on each boundary: "all", or left, right, bottom, top of a rectangle, or the
     /// names of the mesh. A name goes before "all".
     pub boundaries: BTreeMap<String, BoundaryKey>,
-    /// Convection v·∇v; false: creeping flow.
-    #[serde(default = "yes")]
-    pub convection: bool,
+    /// Convection v·∇v: true, false (creeping flow), or "auto": left out while it is small.
+    #[serde(default = "as_needed")]
+    #[schemars(schema_with = "schema::convection")]
+    pub convection: Convection,
     /// Time scheme: "backward-euler", "bdf2" or "steady".
     #[serde(default = "backward_euler")]
     #[schemars(schema_with = "schema::time_scheme")]
@@ -347,6 +349,9 @@ impl Default for Output {
 
 fn yes() -> bool {
     true
+}
+fn as_needed() -> Convection {
+    Convection::AsNeeded
 }
 fn backward_euler() -> TimeScheme {
     TimeScheme::BackwardEuler
