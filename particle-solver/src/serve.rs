@@ -77,9 +77,14 @@ impl ParticleEngine for Engine {
             force: fluid.force,
         };
         let solver = self.solver.as_mut().ok_or_else(not_configured)?;
+        let before = solver.searches();
         let candidate = solver.advance(&request, &forces).map_err(failure)?;
         write(candidate, answer)?;
-        Ok(diagnostics(candidate))
+        let mut numbers = diagnostics(candidate);
+        let [searches, looks] = [0, 1].map(|k| (solver.searches()[k] - before[k]) as f64);
+        numbers.push(named("contact_searches", searches));
+        numbers.push(named("wall_looks", looks));
+        Ok(numbers)
     }
 
     fn commit(&mut self) -> Result<(), Failure> {
