@@ -72,6 +72,11 @@ fn add_grains(row: &mut Row, coupling: &Coupling) {
     for name in ["contacts", "contact_residual", "penetration_max"] {
         row.add(name, value(&seat.diagnostics, name).unwrap_or(0.0));
     }
+    for name in ["contact_candidates", "contact_searches", "wall_looks"] {
+        if let Some(number) = value(&seat.diagnostics, name) {
+            row.add(name, number);
+        }
+    }
     let grains = &coupling.grains;
     let axis = |values: &[f64], axis: usize| -> Vec<f64> {
         values.iter().skip(axis).step_by(2).copied().collect()

@@ -1,4 +1,7 @@
-//! What a scene needs: processes, terms, fields, sizes; and what is left out.
+//! What a scene needs: processes, terms, fields, sizes; what is left out, and what is chosen.
+
+mod choices;
+mod cost;
 
 use std::fmt;
 use std::path::Path;
@@ -8,6 +11,8 @@ use protocol::configure::{
 };
 use protocol::field::Field;
 use serde::Serialize;
+
+pub use choices::Choice;
 
 use crate::error::Error;
 use crate::record;
@@ -33,6 +38,8 @@ pub struct Plan {
     pub fields: Vec<Exchange>,
     /// What this scene does without.
     pub left_out: Vec<String>,
+    /// What the run chooses by itself, with the bounds that decide.
+    pub choices: Vec<Choice>,
     /// What may surprise.
     pub warnings: Vec<String>,
 }
@@ -77,6 +84,7 @@ pub fn plan(scene: &Scene) -> Plan {
         terms: terms(scene),
         fields: fields(scene),
         left_out: left_out(scene),
+        choices: choices::choices(scene),
         warnings: scene.warnings.clone(),
     }
 }
@@ -380,6 +388,8 @@ impl fmt::Display for Plan {
             .collect();
         section(out, "fields exchanged in a pass", &fields)?;
         section(out, "left out", &self.left_out)?;
+        let choices: Vec<String> = self.choices.iter().map(Choice::to_string).collect();
+        section(out, "chosen", &choices)?;
         section(out, "warnings", &self.warnings)
     }
 }

@@ -57,6 +57,10 @@ pub struct Run {
     pub end_time: f64,
     /// Coupling step (s): how often fluid and grains exchange.
     pub coupling_step: f64,
+    /// May engines leave out what their bounds allow? false: everything is computed in every step,
+    /// for comparison.
+    #[serde(default = "yes")]
+    pub leave_out: bool,
 }
 
 /// Gravity.
