@@ -17,6 +17,11 @@ pub struct Flow {
 }
 
 impl Flow {
+    /// Is every velocity 0?
+    pub fn is_at_rest(&self) -> bool {
+        self.superficial_velocity.iter().all(|u| *u == [0.0; 2])
+    }
+
     /// v_α = u_α/φ_α \[m/s\].
     pub fn interstitial_velocity(&self) -> Vec<[f64; 2]> {
         let pairs = self.superficial_velocity.iter().zip(&self.porosity);

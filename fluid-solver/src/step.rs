@@ -46,6 +46,13 @@ impl Candidate {
             .find(|(known, _)| known == name)
             .map(|(_, value)| *value)
     }
+
+    fn set_number(&mut self, name: &str, value: f64) {
+        let found = self.diagnostics.iter_mut().find(|(known, _)| known == name);
+        if let Some((_, number)) = found {
+            *number = value;
+        }
+    }
 }
 
 /// The fluid engine.
@@ -181,6 +188,16 @@ impl FluidSolver {
         result
     }
 
+    /// Is the convecting velocity found by iteration, not extrapolated?
+    fn iterates(&self) -> bool {
+        let FluidConfig {
+            nonlinear,
+            time_scheme,
+            ..
+        } = self.config;
+        nonlinear != Nonlinear::Picard || time_scheme == TimeScheme::Steady
+    }
+
     /// Without convection while the flow creeps; the first candidate that does not is computed
     /// again with it, and so is every later one: passes of a step must not differ in their equations.
     fn compute_as_needed(
@@ -196,13 +213,19 @@ impl FluidSolver {
             .creeping_below
             .filter(|_| self.config.convection);
         if let (Some(bound), false) = (bound, self.convected) {
-            let candidate = self.compute_from(dt, time, now, before, solid, false)?;
+            let mut candidate = self.compute_from(dt, time, now, before, solid, false)?;
             let reynolds = candidate.number("reynolds").unwrap_or(f64::INFINITY);
             if reynolds <= bound {
                 return Ok(candidate);
             }
             tracing::info!(time, reynolds, bound, "convection is there from now on");
             self.convected = true;
+            if before.is_none() && now.is_at_rest() && !self.iterates() {
+                // Nothing convects in this step: it has been solved with all terms.
+                candidate.state.convected = true;
+                candidate.set_number("convection", 1.0);
+                return Ok(candidate);
+            }
         }
         self.compute_from(dt, time, now, before, solid, self.config.convection)
     }
@@ -217,6 +240,7 @@ impl FluidSolver {
         convection: bool,
     ) -> Result<Candidate, FluidError> {
         let config = self.config.clone();
+        let iterated = convection && self.iterates();
         let weights = TimeWeights::new(config.time_scheme, dt, before.map(|(_, dt)| *dt));
         let joins = |flow, (convects, history): (f64, f64)| {
             let convects = if convection { convects } else { 0.0 };
@@ -257,8 +281,6 @@ impl FluidSolver {
             flux: &flux,
             effort: Effort::default(),
         };
-        let iterated = convection
-            && (config.nonlinear != Nonlinear::Picard || config.time_scheme == TimeScheme::Steady);
         let (unknowns, last) = if iterated {
             let (unknowns, flow) = equations.iterate(&terms, now, config.nonlinear)?;
             (unknowns, Some(flow))

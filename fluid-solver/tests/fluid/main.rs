@@ -8,3 +8,4 @@ mod manufactured;
 mod porous;
 mod refusals;
 mod support;
+mod symmetry;

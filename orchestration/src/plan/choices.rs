@@ -44,8 +44,10 @@ impl fmt::Display for Choice {
         if let (Some(bound), Some(value)) = (self.bound, self.value) {
             write!(out, " [{value:.2e}, bound {bound:.1e}]")?;
         }
-        if let Some(saves) = self.saves {
-            write!(out, ", saves about {:.0} % of a pass", 100.0 * saves)?;
+        match self.saves {
+            Some(saves) if saves < 0.005 => write!(out, ", saves next to nothing here")?,
+            Some(saves) => write!(out, ", saves about {:.0} % of a pass", 100.0 * saves)?,
+            None => {}
         }
         if self.watched {
             write!(out, ", watched")?;
@@ -186,9 +188,8 @@ fn contacts(scene: &Scene, cost: &Cost) -> Option<Choice> {
         watched: true,
         ..plain(
             "contacts",
-            "searched for again when a grain has used up its spare reach",
-            "until then the pairs of the last search are all that can meet (exact); where none of \
-             them can, nothing is solved; value: smallest gap at the start, of the radius",
+            "searched for when a grain has used up the spare reach of the last search",
+            "until then its pairs are all that can meet, to the bit; the smallest gap, of the radius",
         )
     })
 }
@@ -245,7 +246,7 @@ fn walls(scene: &Scene) -> Option<Choice> {
             "walls",
             "looked at by grains that may have come near one",
             format!(
-                "{:.0} % of the grains are far from every wall at the start (exact)",
+                "{:.0} % of the grains are far from every wall at the start",
                 100.0 * share
             ),
         )

@@ -2,11 +2,12 @@
 //!
 //! ```text
 //!   fluid      1.4 µs a triangle (assembly) + 0.94 µs N^1.2 (factor) + 0.9 µs N (solves), N nodes
-//!   grains     1.1 µs a grain, 0.5 of it the search for contacts when it is made each time
+//!   grains     1.1 µs a grain, 0.4 of it the search for contacts when it is made each time;
+//!              dry: 20 µs more, the contacts
 //!   coupler    0.1 µs a node + 0.9 µs a grain; 9 µs a node more with a smoothed transfer
 //! ```
 //!
-//! One pass on one thread of a 2.x GHz core, from the showcase scenes (docs/leaving-out.md).
+//! One pass on one thread, from the scenes of this repository (docs/leaving-out.md).
 
 use protocol::configure::MeshSource;
 
@@ -49,8 +50,8 @@ impl Cost {
         Cost {
             matrix: 0.6 * assembly + 0.94e-6 * nodes.powf(1.2),
             solve: 0.4 * assembly + 0.9e-6 * nodes,
-            search: 0.5e-6 * grains,
-            grains: 0.6e-6 * grains,
+            search: 0.4e-6 * grains,
+            grains: if nodes > 0.0 { 0.7e-6 } else { 20.7e-6 } * grains,
             coupler: coupled * (0.1e-6 * nodes + 0.9e-6 * grains),
             smoothing: if smoothed {
                 coupled * 9e-6 * nodes
