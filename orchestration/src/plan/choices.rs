@@ -88,6 +88,7 @@ pub fn choices(scene: &Scene) -> Vec<Choice> {
     }));
     choices.extend(passes(scene));
     choices.extend(sub_steps(scene));
+    choices.extend(fields(scene));
     choices.push(output(scene));
     choices
 }
@@ -351,6 +352,16 @@ fn sub_steps(scene: &Scene) -> Option<Choice> {
             ),
         )
     })
+}
+
+fn fields(scene: &Scene) -> Option<Choice> {
+    scene.coupler.fluid.as_ref()?;
+    Some(plain(
+        "fields",
+        "all of them with every pass",
+        "the pressure is read by states that are put out alone, but version 1 of the protocol has no \
+         way to ask for it only then",
+    ))
 }
 
 fn output(scene: &Scene) -> Choice {
