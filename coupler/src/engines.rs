@@ -1,6 +1,5 @@
 //! The two seats as the scheme sees them: typed calls over the protocol's partners.
 
-use protocol::configure::Convection;
 use protocol::engine::{InitialGrains, MeshDescription};
 use protocol::field::Field;
 use protocol::messages::{Advance, Capability, Diagnostic, Hello};
@@ -55,13 +54,7 @@ impl FluidSeat {
         mut partner: Partner,
         scene: &protocol::configure::FluidScene,
     ) -> Result<FluidSeat, CouplerError> {
-        let mut scene = scene.clone();
-        if scene.convection == Convection::AsNeeded
-            && !has(partner.hello(), Capability::ConvectionAsNeeded)
-        {
-            scene.convection = Convection::Always;
-        }
-        let mesh = partner.configure_fluid(&scene)?;
+        let mesh = partner.configure_fluid(scene)?;
         let pressure = vec![0.0; mesh.nodal_mass.len()];
         Ok(FluidSeat {
             partner,
