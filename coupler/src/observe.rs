@@ -72,6 +72,11 @@ fn add_grains(row: &mut Row, coupling: &Coupling, report: &StepReport) {
     for name in ["contacts", "contact_residual", "penetration_max"] {
         row.add(name, value(&seat.diagnostics, name).unwrap_or(0.0));
     }
+    for name in ["contact_candidates", "contact_searches", "wall_looks"] {
+        if let Some(number) = value(&seat.diagnostics, name) {
+            row.add(name, number);
+        }
+    }
     let grains = &coupling.grains;
     let axis = |values: &[f64], axis: usize| -> Vec<f64> {
         values.iter().skip(axis).step_by(2).copied().collect()
@@ -134,10 +139,11 @@ fn add_fluid(row: &mut Row, coupling: &Coupling) {
     }
 }
 
-/// Numbers of the fluid engine that stand in `steps.csv` as they are: inflow \[m²/s\], pressure drop
+/// Numbers of the fluid engine that stand in `steps.csv` as they are: Reynolds number of the flow, is
+/// convection there (1, 0), inflow \[m²/s\], pressure drop
 /// \[Pa\], forces on walls and bodies \[N/m\].
 fn is_column(name: &str) -> bool {
-    matches!(name, "inflow" | "pressure_drop")
+    matches!(name, "inflow" | "pressure_drop" | "reynolds" | "convection")
         || name.starts_with("force_x_")
         || name.starts_with("force_y_")
 }

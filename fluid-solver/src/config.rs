@@ -7,6 +7,10 @@ use crate::boundary::Condition;
 use crate::error::FluidError;
 use crate::point::{BodyForce, ViscousForm};
 
+/// Re of (R1) up to which convection is left out where it may be: what that changes is at most this
+/// part of the velocity.
+pub const CREEPING_REYNOLDS: f64 = 1e-3;
+
 /// Time scheme.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TimeScheme {
@@ -46,6 +50,9 @@ pub struct FluidConfig {
     pub boundaries: BTreeMap<String, Condition>,
     /// Is ρφ v·∇v there?
     pub convection: bool,
+    /// Re of (R1) in `creeping.rs` below which a step is solved without convection, until a step
+    /// reaches it; none: convection is always there.
+    pub creeping_below: Option<f64>,
     /// Time scheme.
     pub time_scheme: TimeScheme,
     /// Nonlinear solve.
@@ -71,6 +78,7 @@ impl FluidConfig {
             gravity: [0.0; 2],
             boundaries: BTreeMap::new(),
             convection: true,
+            creeping_below: None,
             time_scheme: TimeScheme::BackwardEuler,
             nonlinear: Nonlinear::Picard,
             viscous_form: ViscousForm::Symmetric,

@@ -33,6 +33,7 @@ pub mod assembly;
 pub mod boundary;
 pub mod config;
 pub mod continuity;
+pub mod creeping;
 pub mod diagnostics;
 pub mod dissection;
 pub mod element;

@@ -100,6 +100,7 @@ impl Exact {
             now,
             before: None,
             pressure: vec![0.0; mesh.node_count()],
+            convected: false,
         }
     }
 

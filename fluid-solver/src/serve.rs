@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::ExitCode;
 
-use protocol::configure::{self, FluidScene, MeshSource};
+use protocol::configure::{self, Convection, FluidScene, MeshSource};
 use protocol::engine::{FluidAnswer, FluidEngine, MeshDescription, SolidResponse};
 use protocol::messages::{Advance, Capability, Diagnostic, Failure, FailureKind};
 
 use crate::boundary::{Condition, periodic_directions};
-use crate::config::{FluidConfig, Nonlinear, TimeScheme};
+use crate::config::{CREEPING_REYNOLDS, FluidConfig, Nonlinear, TimeScheme};
 use crate::error::FluidError;
 use crate::gmsh;
 use crate::mesh::Mesh;
@@ -35,7 +35,11 @@ impl FluidEngine for Engine {
     }
 
     fn capabilities(&self) -> Vec<Capability> {
-        vec![Capability::AffineResponse, Capability::Checkpoint]
+        vec![
+            Capability::AffineResponse,
+            Capability::Checkpoint,
+            Capability::ConvectionAsNeeded,
+        ]
     }
 
     fn configure(&mut self, scene: &FluidScene) -> Result<MeshDescription, Failure> {
@@ -136,7 +140,8 @@ fn config(scene: &FluidScene) -> FluidConfig {
         .map(|(name, boundary)| (name.clone(), condition(boundary)))
         .collect();
     config.gravity = scene.gravity;
-    config.convection = scene.convection;
+    config.convection = scene.convection != Convection::Never;
+    config.creeping_below = (scene.convection == Convection::AsNeeded).then_some(CREEPING_REYNOLDS);
     config.grad_div = scene.grad_div;
     config.threads = scene.threads;
     config.initial_velocity = scene.initial_velocity;
@@ -238,7 +243,7 @@ mod tests {
                 .iter()
                 .map(|(name, b)| ((*name).to_owned(), b.clone()))
                 .collect(),
-            convection: true,
+            convection: true.into(),
             time_scheme: configure::TimeScheme::Bdf2,
             nonlinear: configure::Nonlinear::Picard,
             viscous_form: configure::ViscousForm::Symmetric,

@@ -17,6 +17,11 @@ pub struct Flow {
 }
 
 impl Flow {
+    /// Is every velocity 0?
+    pub fn is_at_rest(&self) -> bool {
+        self.superficial_velocity.iter().all(|u| *u == [0.0; 2])
+    }
+
     /// v_α = u_α/φ_α \[m/s\].
     pub fn interstitial_velocity(&self) -> Vec<[f64; 2]> {
         let pairs = self.superficial_velocity.iter().zip(&self.porosity);
@@ -39,6 +44,8 @@ pub struct State {
     pub before: Option<(Flow, f64)>,
     /// Pressure \[Pa\].
     pub pressure: Vec<f64>,
+    /// Was a step no creeping flow? Then convection is there from that step on.
+    pub convected: bool,
 }
 
 impl State {
@@ -53,6 +60,7 @@ impl State {
             },
             before: None,
             pressure: vec![0.0; node_count],
+            convected: false,
         }
     }
 

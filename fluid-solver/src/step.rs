@@ -12,6 +12,7 @@ use std::sync::Arc;
 use crate::assembly::{System, turn_back};
 use crate::boundary::{Constraints, resolve_names};
 use crate::config::{FluidConfig, Nonlinear, TimeScheme};
+use crate::creeping::Creeping;
 use crate::diagnostics::{Numbers, Powers, Solved};
 use crate::error::FluidError;
 use crate::linear::LinearSolver;
@@ -45,6 +46,13 @@ impl Candidate {
             .find(|(known, _)| known == name)
             .map(|(_, value)| *value)
     }
+
+    fn set_number(&mut self, name: &str, value: f64) {
+        let found = self.diagnostics.iter_mut().find(|(known, _)| known == name);
+        if let Some((_, number)) = found {
+            *number = value;
+        }
+    }
 }
 
 /// The fluid engine.
@@ -58,6 +66,9 @@ pub struct FluidSolver {
     accepted: State,
     candidate: Option<Candidate>,
     key: Option<MatrixKey>,
+    creeping: Creeping,
+    /// Is convection there from the step after the accepted state on?
+    convected: bool,
 }
 
 /// Weights of the time derivative and of the extrapolation.
@@ -111,7 +122,10 @@ impl FluidSolver {
         let pool = Arc::new(pool);
         let accepted = State::uniform(mesh.node_count(), config.initial_velocity);
         let (candidate, key) = (None, None);
+        let creeping = Creeping::new(config.density, config.dynamic_viscosity, &mesh);
         Ok(FluidSolver {
+            creeping,
+            convected: false,
             config,
             mesh,
             constraints,
@@ -136,6 +150,7 @@ impl FluidSolver {
 
     /// Replace the accepted state, e.g. by a checkpoint of the same mesh.
     pub fn set_state(&mut self, state: State) {
+        self.convected = state.convected;
         self.accepted = state;
         self.candidate = None;
     }
@@ -168,9 +183,51 @@ impl FluidSolver {
         let time = self.accepted.time + dt;
         let now = self.accepted.flow_with(&solid.matrix.porosity);
         let before = self.accepted.before.take();
-        let result = self.compute_from(dt, time, &now, before.as_ref(), solid);
+        let result = self.compute_as_needed(dt, time, &now, before.as_ref(), solid);
         self.accepted.before = before;
         result
+    }
+
+    /// Is the convecting velocity found by iteration, not extrapolated?
+    fn iterates(&self) -> bool {
+        let FluidConfig {
+            nonlinear,
+            time_scheme,
+            ..
+        } = self.config;
+        nonlinear != Nonlinear::Picard || time_scheme == TimeScheme::Steady
+    }
+
+    /// Without convection while the flow creeps; the first candidate that does not is computed
+    /// again with it, and so is every later one: passes of a step must not differ in their equations.
+    fn compute_as_needed(
+        &mut self,
+        dt: f64,
+        time: f64,
+        now: &Flow,
+        before: Option<&(Flow, f64)>,
+        solid: &Solid,
+    ) -> Result<Candidate, FluidError> {
+        let bound = self
+            .config
+            .creeping_below
+            .filter(|_| self.config.convection);
+        if let (Some(bound), false) = (bound, self.convected) {
+            let mut candidate = self.compute_from(dt, time, now, before, solid, false)?;
+            let reynolds = candidate.number("reynolds").unwrap_or(f64::INFINITY);
+            if reynolds <= bound {
+                return Ok(candidate);
+            }
+            tracing::info!(time, reynolds, bound, "convection is there from now on");
+            self.convected = true;
+            if before.is_none() && now.is_at_rest() && !self.iterates() {
+                // Nothing convects in this step: it has been solved with all terms.
+                candidate.state.convected = true;
+                candidate.set_number("convection", 1.0);
+                return Ok(candidate);
+            }
+        }
+        self.compute_from(dt, time, now, before, solid, self.config.convection)
     }
 
     fn compute_from(
@@ -180,11 +237,13 @@ impl FluidSolver {
         now: &Flow,
         before: Option<&(Flow, f64)>,
         solid: &Solid,
+        convection: bool,
     ) -> Result<Candidate, FluidError> {
         let config = self.config.clone();
+        let iterated = convection && self.iterates();
         let weights = TimeWeights::new(config.time_scheme, dt, before.map(|(_, dt)| *dt));
         let joins = |flow, (convects, history): (f64, f64)| {
-            let convects = if config.convection { convects } else { 0.0 };
+            let convects = if convection { convects } else { 0.0 };
             Carrier {
                 flow,
                 convects,
@@ -222,8 +281,6 @@ impl FluidSolver {
             flux: &flux,
             effort: Effort::default(),
         };
-        let iterated = config.convection
-            && (config.nonlinear != Nonlinear::Picard || config.time_scheme == TimeScheme::Steady);
         let (unknowns, last) = if iterated {
             let (unknowns, flow) = equations.iterate(&terms, now, config.nonlinear)?;
             (unknowns, Some(flow))
@@ -236,7 +293,7 @@ impl FluidSolver {
             carriers: relayed.as_deref().unwrap_or(&carriers),
             ..terms
         };
-        self.finish(&terms, unknowns, &flux, &effort, (now, dt))
+        self.finish(&terms, unknowns, &flux, &effort, (now, dt), convection)
     }
 
     /// Fields and numbers from the unknowns.
@@ -247,6 +304,7 @@ impl FluidSolver {
         flux: &[f64],
         effort: &Effort,
         (now, dt): (&Flow, f64),
+        convection: bool,
     ) -> Result<Candidate, FluidError> {
         let velocity = velocity_of(&unknowns, &self.constraints.frames);
         let pressure: Vec<f64> = unknowns.iter().skip(2).step_by(3).copied().collect();
@@ -281,8 +339,12 @@ impl FluidSolver {
             porosity: terms.solid.matrix.porosity.clone(),
         };
         let interstitial_velocity = flow.interstitial_velocity();
+        let reynolds = self.creeping.reynolds(&flow, &self.mesh);
+        diagnostics.push(("reynolds".to_owned(), reynolds));
+        diagnostics.push(("convection".to_owned(), f64::from(u8::from(convection))));
         let before = Some((now.clone(), dt));
         let state = State {
+            convected: self.convected,
             time: terms.time,
             fresh: false,
             now: flow,

@@ -7,6 +7,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 
 use nix::sys::signal::{Signal, killpg};
 use nix::unistd::{Pid, SysconfVar, sysconf};
+use protocol::process::LEAVE_OUT;
 use protocol::runspace::RunSpace;
 
 use crate::error::{Error, exit_code};
@@ -56,7 +57,10 @@ fn start(
     folder: &Path,
     runspace: &RunSpace,
 ) -> Result<Process, Error> {
-    let command = command(planned, scene, folder)?;
+    let mut command = command(planned, scene, folder)?;
+    if !scene.leave_out {
+        command.env(LEAVE_OUT, "0");
+    }
     let log = folder.join(format!("logs/{}.log", planned.seat));
     spawn(
         &planned.seat,

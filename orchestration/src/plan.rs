@@ -1,11 +1,18 @@
-//! What a scene needs: processes, terms, fields, sizes; and what is left out.
+//! What a scene needs: processes, terms, fields, sizes; what is left out, and what is chosen.
+
+mod choices;
+mod cost;
 
 use std::fmt;
 use std::path::Path;
 
-use protocol::configure::{Boundary, FluidScene, Geometry, MeshSource, Nonlinear, Scheme};
+use protocol::configure::{
+    Boundary, Convection, FluidScene, Geometry, MeshSource, Nonlinear, Scheme,
+};
 use protocol::field::Field;
 use serde::Serialize;
+
+pub use choices::Choice;
 
 use crate::error::Error;
 use crate::record;
@@ -31,6 +38,8 @@ pub struct Plan {
     pub fields: Vec<Exchange>,
     /// What this scene does without.
     pub left_out: Vec<String>,
+    /// What the run chooses by itself, with the bounds that decide.
+    pub choices: Vec<Choice>,
     /// What may surprise.
     pub warnings: Vec<String>,
 }
@@ -75,6 +84,7 @@ pub fn plan(scene: &Scene) -> Plan {
         terms: terms(scene),
         fields: fields(scene),
         left_out: left_out(scene),
+        choices: choices::choices(scene),
         warnings: scene.warnings.clone(),
     }
 }
@@ -163,8 +173,12 @@ fn terms(scene: &Scene) -> Vec<String> {
         } else {
             "fluid: Navier–Stokes in the velocity and the pressure"
         });
-        if fluid.convection {
-            add("fluid: convection ρφ v·∇v");
+        match fluid.convection {
+            Convection::Always => add("fluid: convection ρφ v·∇v"),
+            Convection::AsNeeded => {
+                add("fluid: convection ρφ v·∇v, from the first step that needs it")
+            }
+            Convection::Never => {}
         }
         add(&format!(
             "fluid: time scheme {:?}, {}",
@@ -287,7 +301,7 @@ fn left_out(scene: &Scene) -> Vec<String> {
     match &coupler.fluid {
         None => add("fluid process, mesh, drag, transfer: the scene has no [fluid]"),
         Some(fluid) => {
-            if !fluid.convection {
+            if fluid.convection == Convection::Never {
                 add("convection of the fluid: convection = false");
             }
             let pressure_given = fluid
@@ -382,6 +396,8 @@ impl fmt::Display for Plan {
             .collect();
         section(out, "fields exchanged in a pass", &fields)?;
         section(out, "left out", &self.left_out)?;
+        let choices: Vec<String> = self.choices.iter().map(Choice::to_string).collect();
+        section(out, "chosen", &choices)?;
         section(out, "warnings", &self.warnings)
     }
 }

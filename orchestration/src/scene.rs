@@ -46,6 +46,8 @@ pub struct Scene {
     pub output: Output,
     /// The recording, when one is asked for.
     pub record: Option<Record>,
+    /// May engines leave out what their bounds allow?
+    pub leave_out: bool,
     /// What was asked for and will not happen, or may surprise.
     pub warnings: Vec<String>,
 }

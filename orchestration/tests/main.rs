@@ -4,6 +4,7 @@ mod background;
 mod browser;
 mod commands;
 mod kills;
+mod leaving_out;
 mod pictures;
 mod populations;
 mod processes;

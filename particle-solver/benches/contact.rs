@@ -10,6 +10,7 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use particle_solver::contact::{Margin, candidates};
 use particle_solver::delassus::{Loads, System};
+use particle_solver::neighbours::{Neighbours, Place};
 use particle_solver::nlgs::{RELAXATION, sweep};
 use particle_solver::sub_step::Stage;
 use particle_solver::walls::Walls;
@@ -86,18 +87,31 @@ fn unit_costs(criterion: &mut Criterion) {
     };
     let free = loads.free_velocity(grains, &accepted.velocity);
     let push: Vec<f64> = grains.radius.iter().map(|radius| 0.02 * radius).collect();
-    let find = || {
+    let place = Place {
+        grains,
+        position: &accepted.position,
+        walls: &walls,
+        period: setup.period,
+    };
+    let find = |neighbours: &mut Neighbours| {
         let margin = Margin {
             dt: loads.dt,
             free_velocity: &free,
             push: &push,
         };
-        candidates(grains, &accepted.position, &walls, setup.period, &margin)
+        candidates(neighbours, &place, &margin)
     };
     let mut group = criterion.benchmark_group("unit costs, 10000 grains");
     group.throughput(Throughput::Elements(grains.count() as u64));
-    group.bench_function("detection", |bencher| bencher.iter(find));
-    let pairs = find();
+    for search_always in [true, false] {
+        let mut neighbours = Neighbours::default();
+        neighbours.search_always = search_always;
+        let name = if search_always { "search" } else { "kept list" };
+        group.bench_function(format!("detection, {name}"), |bencher| {
+            bencher.iter(|| find(&mut neighbours));
+        });
+    }
+    let pairs = find(&mut Neighbours::default());
     let surface = vec![0.0; grains.count()];
     for friction in [0.0, 0.3] {
         let stage = Stage {

@@ -1,9 +1,8 @@
 //! Contacts: who touches whom, where, and the impulses that are remembered.
 
-use crate::detect::Grid;
 use crate::grains::Grains;
+use crate::neighbours::{Neighbours, Place};
 use crate::vector::{Vector, dot, norm, scale, sub};
-use crate::walls::Walls;
 
 /// Which contact it is: the same key means the same pair, whatever the step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -100,18 +99,16 @@ pub fn mean_velocity(velocity: &[Vector], fixed: &[bool]) -> Vector {
 
 /// Pairs that may touch, sorted by key.
 pub fn candidates(
-    grains: &Grains,
-    position: &[Vector],
-    walls: &Walls,
-    period: [Option<f64>; 2],
+    neighbours: &mut Neighbours,
+    place: &Place<'_>,
     margin: &Margin<'_>,
 ) -> Vec<Candidate> {
-    if grains.count() == 0 {
+    let grains = place.grains;
+    if grains.fixed.iter().all(|&fixed| fixed) {
         return Vec::new();
     }
     let mut found = Vec::new();
-    let grid = Grid::build(position, &margin.reach(grains), period);
-    grid.for_each_pair(|i, j, apart, image| {
+    neighbours.for_each_pair(place, &margin.reach(grains), |i, j, apart, image| {
         if grains.fixed[i] && grains.fixed[j] {
             return;
         }
@@ -130,7 +127,7 @@ pub fn candidates(
     for grain in (0..grains.count()).filter(|&grain| !grains.fixed[grain]) {
         let free = margin.free_velocity[grain];
         let reach = margin.dt * norm(free) + margin.push[grain];
-        walls.near(position[grain], grains.radius[grain], reach, |wall| {
+        neighbours.walls_near(place, grain, reach, |wall| {
             if wall.gap + margin.dt * dot(free, wall.normal) < margin.push[grain] {
                 let second = (grains.count() + wall.feature) as u32;
                 let key = Key {

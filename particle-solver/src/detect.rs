@@ -67,14 +67,16 @@ impl Grid {
 
     /// About how many distances `for_each_pair` will compute.
     pub fn work(&self) -> f64 {
-        let slots = |level: &Level| -> f64 {
-            level
-                .start
-                .windows(2)
-                .map(|slot| f64::from(slot[1] - slot[0]).powi(2))
-                .sum()
+        let of_cells = |level: &Level| -> usize {
+            let slots = level.start.windows(2).map(|slot| {
+                let entries = &level.entries[slot[0] as usize..slot[1] as usize];
+                let same = |entry: &Entry| entries.iter().filter(|e| e.cell == entry.cell).count();
+                entries.iter().map(same).sum::<usize>()
+            });
+            slots.sum()
         };
-        self.levels.iter().map(|level| 4.5 * slots(level)).sum()
+        let levels = self.levels.iter();
+        levels.map(|level| 4.5 * of_cells(level) as f64).sum()
     }
 
     /// Visit every pair (i < j, xᵢ − xⱼ, image) whose reaches overlap, each image of it once,

@@ -12,7 +12,7 @@
 //! | file | what |
 //! | --- | --- |
 //! | `grains`, `walls` | what there is |
-//! | `detect`, `contact` | who may touch, from a cell list at the start of the sub-step |
+//! | `detect`, `neighbours`, `contact` | who may touch: cell lists, what is kept of them, candidates of a sub-step |
 //! | `delassus`, `law` | the operator, and the law of one contact |
 //! | `nlgs`, `accelerate`, `solve` | Gauss–Seidel sweeps, faster iterations, and who is used when |
 //! | `sub_steps`, `sub_step`, `correct` | how many, one of them, what is done about overlaps |
@@ -30,6 +30,7 @@ pub mod detect;
 pub mod error;
 pub mod grains;
 pub mod law;
+pub mod neighbours;
 pub mod nlgs;
 pub mod serve;
 pub mod setup;

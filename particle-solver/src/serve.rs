@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use protocol::configure::ParticleScene;
 use protocol::engine::{FluidForces, GrainAnswer, InitialGrains, ParticleEngine};
 use protocol::messages::{Advance, Capability, Diagnostic, Failure, FailureKind};
+use protocol::process::may_leave_out;
 
 use crate::candidate::{Candidate, Forces, Request};
 use crate::error::Error;
@@ -20,6 +21,10 @@ use crate::walls::Segment;
 #[derive(Debug, Default)]
 pub struct Engine {
     solver: Option<ContactEngine>,
+    /// Searches and looks at walls up to the last accepted step.
+    counted: [u64; 2],
+    /// Were there candidates for a contact in some step?
+    met: bool,
 }
 
 /// `main` of the engine's process.
@@ -45,7 +50,8 @@ impl ParticleEngine for Engine {
         scene: &ParticleScene,
         grains: InitialGrains,
     ) -> Result<InitialGrains, Failure> {
-        let solver = build(scene, &grains).map_err(failure)?;
+        let mut solver = build(scene, &grains).map_err(failure)?;
+        solver.search_always(!may_leave_out());
         let grains = InitialGrains {
             velocity: solver.accepted().velocity.as_flattened().to_vec(),
             ..grains
@@ -79,11 +85,24 @@ impl ParticleEngine for Engine {
         let solver = self.solver.as_mut().ok_or_else(not_configured)?;
         let candidate = solver.advance(&request, &forces).map_err(failure)?;
         write(candidate, answer)?;
-        Ok(diagnostics(candidate))
+        if candidate.report.candidates > 0 && !self.met {
+            tracing::info!(
+                step = request.step,
+                "grains or walls are near enough to meet"
+            );
+            self.met = true;
+        }
+        let mut numbers = diagnostics(candidate);
+        let [searches, looks] = [0, 1].map(|k| (solver.searches()[k] - self.counted[k]) as f64);
+        numbers.push(named("contact_searches", searches));
+        numbers.push(named("wall_looks", looks));
+        Ok(numbers)
     }
 
     fn commit(&mut self) -> Result<(), Failure> {
-        self.solver()?.commit().map_err(failure)
+        self.solver()?.commit().map_err(failure)?;
+        self.counted = self.solver()?.searches();
+        Ok(())
     }
 
     fn save(&mut self, path: &Path) -> Result<(), Failure> {

@@ -6,9 +6,10 @@ use crate::correct::{correct, smaller_radius};
 use crate::delassus::Loads;
 use crate::error::Error;
 use crate::grains::{Grains, State};
+use crate::neighbours::{Neighbours, Place};
 use crate::setup::{Setup, check_places};
 use crate::sub_step::{Solved, Stage, impulses, solve_contacts};
-use crate::sub_steps::{Scenery, count};
+use crate::sub_steps::count;
 use crate::touched::Touched;
 use crate::vector::{Vector, add, norm, scale, sub};
 use crate::walls::Walls;
@@ -23,6 +24,7 @@ pub struct ContactEngine {
     candidate: Option<Candidate>,
     /// Label and first impulses of the pass before the candidate's.
     previous_pass: Option<((u64, u32), Impulses)>,
+    neighbours: Neighbours,
 }
 
 /// What moves during an advance.
@@ -49,7 +51,19 @@ impl ContactEngine {
             accepted: state,
             candidate: None,
             previous_pass: None,
+            neighbours: Neighbours::default(),
         })
+    }
+
+    /// Search for contacts anew each time instead of keeping what one search found; the candidates
+    /// are the same.
+    pub fn search_always(&mut self, always: bool) {
+        self.neighbours.search_always = always;
+    }
+
+    /// Searches for contacts so far, and grains for which walls were looked at.
+    pub fn searches(&self) -> [u64; 2] {
+        [self.neighbours.searches, self.neighbours.wall_looks]
     }
 
     /// The setup.
@@ -84,6 +98,7 @@ impl ContactEngine {
         self.accepted = state;
         self.candidate = None;
         self.previous_pass = None;
+        self.neighbours.forget();
         Ok(())
     }
 
@@ -103,8 +118,21 @@ impl ContactEngine {
         self.check(request, forces)?;
         let warm = self.warm_start(request);
         self.candidate = None;
+        let mut neighbours = std::mem::take(&mut self.neighbours);
+        let computed = self.compute(request, forces, warm, &mut neighbours);
+        self.neighbours = neighbours;
+        Ok(self.candidate.insert(computed?))
+    }
+
+    fn compute(
+        &self,
+        request: &Request,
+        forces: &Forces<'_>,
+        warm: Impulses,
+        neighbours: &mut Neighbours,
+    ) -> Result<Candidate, Error> {
         let sub_steps = match request.sub_steps {
-            0 => self.sub_steps(request.dt, forces)?,
+            0 => self.sub_steps(request.dt, forces, neighbours)?,
             given => given,
         };
         let grain_count = self.grains.count();
@@ -125,13 +153,13 @@ impl ContactEngine {
         let stage = self.stage(request.tolerance);
         let loads = self.loads(request.dt / f64::from(sub_steps), forces);
         for sub_step in 1..=sub_steps {
-            self.sub_step(&mut motion, &stage, &loads, sub_step)?;
+            self.sub_step(&mut motion, neighbours, &stage, &loads, sub_step)?;
         }
         motion.state.check_finite()?;
         let inertia_factor = self.setup.inertia_factor;
         motion.report.kinetic_energy = motion.state.kinetic_energy(&self.grains, inertia_factor);
         let mean = |moved: &Vector| scale(1.0 / request.dt, *moved);
-        let candidate = Candidate {
+        Ok(Candidate {
             label: (request.step, request.pass),
             mean_velocity: motion.displacement.iter().map(mean).collect(),
             contact: motion.touched.answer(&self.grains.fixed),
@@ -139,28 +167,26 @@ impl ContactEngine {
             active: motion.active,
             first_impulses: motion.first_impulses.unwrap_or_default(),
             state: motion.state,
-        };
-        Ok(self.candidate.insert(candidate))
+        })
     }
 
     /// Sub-steps that the relative motion of this step asks for.
-    fn sub_steps(&self, dt: f64, forces: &Forces<'_>) -> Result<u32, Error> {
+    fn sub_steps(
+        &self,
+        dt: f64,
+        forces: &Forces<'_>,
+        neighbours: &mut Neighbours,
+    ) -> Result<u32, Error> {
         let free = self
             .loads(dt, forces)
             .free_velocity(&self.grains, &self.accepted.velocity);
-        let scenery = Scenery {
+        let place = Place {
+            grains: &self.grains,
+            position: &self.accepted.position,
             walls: &self.walls,
             period: self.setup.period,
         };
-        let most = self.setup.sub_steps_max;
-        count(
-            &self.grains,
-            &self.accepted.position,
-            &free,
-            &scenery,
-            dt,
-            most,
-        )
+        count(neighbours, &place, &free, dt, self.setup.sub_steps_max)
     }
 
     /// Impulses to start from: accepted ones in pass 0, afterwards those of the pass before,
@@ -210,11 +236,12 @@ impl ContactEngine {
     fn sub_step(
         &self,
         motion: &mut Motion,
+        neighbours: &mut Neighbours,
         stage: &Stage<'_>,
         loads: &Loads<'_>,
         sub_step: u32,
     ) -> Result<(), Error> {
-        let solved = solve_contacts(stage, &motion.state, loads)?;
+        let solved = solve_contacts(stage, neighbours, &motion.state, loads)?;
         if !solved.outcome.converged {
             return Err(not_converged(
                 &solved,

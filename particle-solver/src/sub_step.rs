@@ -8,6 +8,7 @@ use crate::contact::{Candidate, Impulses, Margin, candidates};
 use crate::delassus::{Loads, System};
 use crate::error::Error;
 use crate::grains::{Grains, State};
+use crate::neighbours::{Neighbours, Place};
 use crate::solve::{Goal, Outcome, solve};
 use crate::vector::{Vector, dot, norm, sub};
 use crate::walls::Walls;
@@ -57,6 +58,7 @@ pub struct Solved {
 /// for the caller to judge.
 pub fn solve_contacts(
     stage: &Stage<'_>,
+    neighbours: &mut Neighbours,
     state: &State,
     loads: &Loads<'_>,
 ) -> Result<Solved, Error> {
@@ -66,13 +68,19 @@ pub fn solve_contacts(
         .map(|grain| grains.radius[grain] * state.spin[grain])
         .collect();
     let mut push = first_push(grains, &free, &state.velocity, loads.dt);
-    let find = |push: &[f64]| {
+    let place = Place {
+        grains,
+        position: &state.position,
+        walls: stage.walls,
+        period: stage.period,
+    };
+    let mut find = |push: &[f64]| {
         let margin = Margin {
             dt: loads.dt,
             free_velocity: &free,
             push,
         };
-        candidates(grains, &state.position, stage.walls, stage.period, &margin)
+        candidates(neighbours, &place, &margin)
     };
     let mut pairs = find(&push);
     if allow_for_impacts(&pairs, &free, loads.dt, &mut push) {

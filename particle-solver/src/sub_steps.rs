@@ -17,9 +17,8 @@
 use crate::contact::Margin;
 use crate::detect::Grid;
 use crate::error::Error;
-use crate::grains::Grains;
+use crate::neighbours::{Neighbours, Place};
 use crate::vector::{Vector, add, cross, dot, left, norm, scale, sub};
-use crate::walls::Walls;
 
 /// Artificial gap allowed for the worst pair in a sub-step, of the smaller radius.
 const OPENING: f64 = 1e-2;
@@ -30,35 +29,26 @@ const WORK_MAX: f64 = 100.0;
 /// Parts of the step that the search may be cut into.
 const PARTS_MAX: f64 = 64.0;
 
-/// The geometry in which grains move.
-#[derive(Debug)]
-pub struct Scenery<'a> {
-    /// Walls.
-    pub walls: &'a Walls,
-    /// Period in x and y \[m\].
-    pub period: [Option<f64>; 2],
-}
-
 /// The count, at least 1; an error above `sub_steps_max`.
 pub fn count(
-    grains: &Grains,
-    position: &[Vector],
+    neighbours: &mut Neighbours,
+    place: &Place<'_>,
     free_velocity: &[Vector],
-    scenery: &Scenery<'_>,
     dt: f64,
     sub_steps_max: u32,
 ) -> Result<u32, Error> {
-    if grains.count() == 0 {
+    let grains = place.grains;
+    if grains.fixed.iter().all(|&fixed| fixed) {
         return Ok(1);
     }
-    let (grid, mut worst) = search(grains, position, free_velocity, scenery, dt);
+    let (reach, grid, mut worst) = search(neighbours, place, free_velocity, dt);
     let mut pair = (0, 0);
     let mut ask = |needed: f64, first: usize, second: usize| {
         if needed > worst {
             (worst, pair) = (needed, (first, second));
         }
     };
-    grid.for_each_pair(|i, j, apart, _| {
+    let mut look = |i: usize, j: usize, apart: Vector, _| {
         if !(grains.fixed[i] && grains.fixed[j]) {
             let relative = sub(free_velocity[i], free_velocity[j]);
             let (r_i, r_j) = (grains.radius[i], grains.radius[j]);
@@ -68,19 +58,21 @@ pub fn count(
                 j,
             );
         }
-    });
+    };
+    match grid {
+        Some(grid) => grid.for_each_pair(&mut look),
+        None => neighbours.for_each_pair(place, &reach, &mut look),
+    }
     for grain in (0..grains.count()).filter(|&grain| !grains.fixed[grain]) {
         let moved = scale(dt, free_velocity[grain]);
         let radius = grains.radius[grain];
-        scenery
-            .walls
-            .near(position[grain], radius, norm(moved), |wall| {
-                let needed = match wall.along {
-                    Some(along) => leaving(moved, wall.normal, wall.gap, along, radius),
-                    None => needed(scale(radius + wall.gap, wall.normal), moved, radius, radius),
-                };
-                ask(needed, grain, grains.count() + wall.feature);
-            });
+        neighbours.walls_near(place, grain, norm(moved), |wall| {
+            let needed = match wall.along {
+                Some(along) => leaving(moved, wall.normal, wall.gap, along, radius),
+                None => needed(scale(radius + wall.gap, wall.normal), moved, radius, radius),
+            };
+            ask(needed, grain, grains.count() + wall.feature);
+        });
     }
     let needed = worst.ceil().max(1.0);
     if needed > f64::from(sub_steps_max) {
@@ -96,15 +88,15 @@ pub fn count(
     Ok(needed as u32)
 }
 
-/// Cells for everything that may meet within the step, or within the part of it that the work
-/// allows, and the number of such parts.
+/// Reach and cells for everything that may meet within the step, or within the part of it that the
+/// work allows, and the number of such parts; no cells where what is known of the neighbours will do.
 fn search(
-    grains: &Grains,
-    position: &[Vector],
+    neighbours: &mut Neighbours,
+    place: &Place<'_>,
     free_velocity: &[Vector],
-    scenery: &Scenery<'_>,
     dt: f64,
-) -> (Grid, f64) {
+) -> (Vec<f64>, Option<Grid>, f64) {
+    let grains = place.grains;
     let push: Vec<f64> = grains
         .radius
         .iter()
@@ -117,9 +109,14 @@ fn search(
             free_velocity,
             push: &push,
         };
-        let grid = Grid::build(position, &margin.reach(grains), scenery.period);
+        let reach = margin.reach(grains);
+        if parts == 1.0 && neighbours.stand_for_search(place, &reach) {
+            return (reach, None, parts);
+        }
+        neighbours.searches += 1;
+        let grid = Grid::build(place.position, &reach, place.period);
         if grid.work() <= WORK_MAX * grains.count() as f64 || parts >= PARTS_MAX {
-            return (grid, parts);
+            return (reach, Some(grid), parts);
         }
         parts *= 2.0;
     }

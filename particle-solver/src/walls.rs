@@ -135,6 +135,19 @@ impl Walls {
         }
     }
 
+    /// From a point to the nearest point of all walls \[m\]; infinite without walls.
+    pub fn distance(&self, centre: Vector) -> f64 {
+        let mut nearest = f64::INFINITY;
+        for face in &self.faces {
+            let offset = shortest_image(sub(centre, face.middle), self.period);
+            self.each_image(offset, |offset, _| {
+                let along = dot(offset, face.tangent).clamp(-face.half_length, face.half_length);
+                nearest = nearest.min(norm(sub(offset, scale(along, face.tangent))));
+            });
+        }
+        nearest
+    }
+
     /// Call `visit` for every wall closer than `reach` to the surface of a grain.
     pub fn near(
         &self,

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+pub use crate::convection::Convection;
+
 /// What the fluid engine needs to know.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -18,8 +20,8 @@ pub struct FluidScene {
     pub mesh: MeshSource,
     /// Condition on every named boundary.
     pub boundaries: BTreeMap<String, Boundary>,
-    /// Leave ρφ v·∇v out (creeping flow).
-    pub convection: bool,
+    /// Is ρφ v·∇v there?
+    pub convection: Convection,
     /// Time scheme.
     pub time_scheme: TimeScheme,
     /// How the convection is solved within a step.

@@ -14,6 +14,7 @@
 pub mod channel;
 pub mod codec;
 pub mod configure;
+mod convection;
 pub mod engine;
 pub mod error;
 pub mod field;

@@ -25,6 +25,8 @@ pub enum Capability {
     ContactState,
     /// Both: `Save` and `Restore` bring back the same bits.
     Checkpoint,
+    /// Fluid: leaves convection out while it is small (`Convection::AsNeeded`); others get `Always`.
+    ConvectionAsNeeded,
 }
 
 /// First message of an engine.

@@ -6,13 +6,15 @@ use std::time::Duration;
 use crate::PROTOCOL_VERSION;
 use crate::channel::{Channel, Wait, seconds};
 use crate::codec;
-use crate::configure::{FluidScene, Limits, ParticleScene};
+use crate::configure::{Convection, FluidScene, Limits, ParticleScene};
 use crate::engine::{InitialGrains, MeshDescription};
 use crate::error::Error;
 use crate::field::Field;
 use crate::header::{FieldHeader, Stage, other_protocol};
 use crate::links::{Counts, MESH, Moment, grain_slices, receive_grains};
-use crate::messages::{Advance, Configure, Done, Hello, Ready, Role, ToCoupler, ToEngine};
+use crate::messages::{
+    Advance, Capability, Configure, Done, Hello, Ready, Role, ToCoupler, ToEngine,
+};
 use crate::runspace::RunSpace;
 
 /// How long an engine may take to leave after `Finish` \[s\].
@@ -101,11 +103,18 @@ impl Partner {
         self.counts.epoch
     }
 
-    /// Send the fluid's part of the scene; answered by the mesh.
+    /// Send the fluid's part of the scene; answered by the mesh. An engine that does not know
+    /// convection as needed gets it always.
     pub fn configure_fluid(&mut self, scene: &FluidScene) -> Result<MeshDescription, Error> {
-        self.send(&ToEngine::Configure(Configure::Fluid(Box::new(
-            scene.clone(),
-        ))))?;
+        let mut scene = scene.clone();
+        let able = self
+            .hello()
+            .capabilities
+            .contains(&Capability::ConvectionAsNeeded);
+        if !able && scene.convection == Convection::AsNeeded {
+            scene.convection = Convection::Always;
+        }
+        self.send(&ToEngine::Configure(Configure::Fluid(Box::new(scene))))?;
         let wait = Wait::new(0, "Ready", seconds(self.limits.configure));
         let (epoch, nodes, triangles, period) = match self.answer(wait)? {
             ToCoupler::Ready(Ready::Mesh {

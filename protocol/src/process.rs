@@ -162,3 +162,11 @@ fn report_full_memory() {
         libc::sigaction(libc::SIGBUS, &action, std::ptr::null_mut());
     }
 }
+
+/// Environment variable that keeps an engine from leaving anything out when it is `0`.
+pub const LEAVE_OUT: &str = "SILLAGE_LEAVE_OUT";
+
+/// May this process leave out what its own bounds allow?
+pub fn may_leave_out() -> bool {
+    std::env::var(LEAVE_OUT).map_or(true, |value| value != "0")
+}

@@ -45,7 +45,7 @@ pub fn fluid(
             .into_iter()
             .map(|side| (side.to_owned(), Boundary::NoSlip))
             .collect::<BTreeMap<_, _>>(),
-        convection: false,
+        convection: false.into(),
         time_scheme: TimeScheme::BackwardEuler,
         nonlinear: Nonlinear::Picard,
         viscous_form: ViscousForm::Symmetric,

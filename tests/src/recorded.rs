@@ -167,7 +167,7 @@ fn cavity() -> Case {
     };
     let fluid = fluid(1.0, 1e-2, [0.0, 0.0], [0.0, 0.0], [1.0, 1.0], [12, 12]);
     let mut fluid = with_boundaries(fluid, &[("top", lid)]);
-    fluid.convection = true;
+    fluid.convection = true.into();
     fluid.time_scheme = TimeScheme::Bdf2;
     fluid.nonlinear = Nonlinear::Newton {
         tolerance: 1e-10,

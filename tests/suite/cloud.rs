@@ -86,7 +86,7 @@ impl Cloud {
             .box_size
             .map(|size| (size * self.cells_per_radius as f64).round() as usize);
         let mut fluid = fluid(self.density, VISCOSITY, gravity, lower, upper, cells);
-        fluid.convection = self.convection;
+        fluid.convection = self.convection.into();
         let mut engine = particles(gravity);
         engine.walls = box_walls(lower, upper);
         engine.tolerance = 1e-3;

@@ -106,7 +106,7 @@ fn cloud(solid_fraction: f64, count: usize, steps: usize) -> (CouplerScene, Init
     let gravity = [0.0, -9.81];
     let (lower, upper) = ([-5.0 * RADIUS, 0.0], [5.0 * RADIUS, 15.0 * RADIUS]);
     let mut part = fluid(1200.0, 0.12, gravity, lower, upper, [40, 60]);
-    part.convection = true;
+    part.convection = true.into();
     let mut grain_part = particles(gravity);
     grain_part.walls = box_walls(lower, upper);
     let mut scene = scene(Some(part), Some(grain_part), 5.5e-3, steps);

@@ -4,7 +4,7 @@ use std::ffi::{CString, c_char, c_void};
 use std::path::Path;
 
 use protocol::configure::{
-    self, Diagonals, MeshSource, Nonlinear, Profile, TimeScheme, ViscousForm,
+    self, Convection, Diagonals, MeshSource, Nonlinear, Profile, TimeScheme, ViscousForm,
 };
 use protocol::engine::{self, FluidEngine, MeshDescription, serve_fluid};
 use protocol::ipc::engine_link;
@@ -368,7 +368,7 @@ impl FluidEngine for Foreign<'_> {
             uniform_diagonals: 0,
             boundary_count: boundaries.len() as u32,
             boundaries: boundaries.as_ptr(),
-            convection: u32::from(scene.convection),
+            convection: u32::from(scene.convection != Convection::Never),
             time_scheme: match scene.time_scheme {
                 TimeScheme::BackwardEuler => SILLAGE_BACKWARD_EULER,
                 TimeScheme::Bdf2 => SILLAGE_BDF2,

@@ -72,6 +72,7 @@ fn capability(name: &str) -> PyResult<Capability> {
         ("implicit-drag", Capability::ImplicitDrag),
         ("contact-state", Capability::ContactState),
         ("checkpoint", Capability::Checkpoint),
+        ("convection-as-needed", Capability::ConvectionAsNeeded),
     ];
     let found = known.iter().find(|(known, _)| *known == name);
     found.map(|&(_, capability)| capability).ok_or_else(|| {

@@ -162,6 +162,7 @@ fn packing_and_fluid_translate_together_through_the_mesh() {
                         now,
                         before: None,
                         pressure,
+                        convected: false,
                     });
                 }
                 let fields = SolidFields {

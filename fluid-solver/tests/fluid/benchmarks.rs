@@ -76,6 +76,7 @@ fn taylor_green(n: usize, dt: f64, viscosity: f64) -> FluidSolver {
         now,
         before,
         pressure,
+        convected: false,
     });
     for _ in 0..(1.0 / dt).round() as usize {
         solver.advance(dt, &SolidFields::default()).unwrap();

@@ -2,7 +2,9 @@
 
 mod balance;
 mod benchmarks;
+mod creeping;
 mod manufactured;
 mod porous;
 mod refusals;
 mod support;
+mod symmetry;

@@ -92,7 +92,7 @@ fn hello(case: &Case) -> Result<(), Trouble> {
     }
     for (place, capability) in hello.capabilities.iter().enumerate() {
         let foreign = match capability {
-            Capability::AffineResponse => case.role != Role::Fluid,
+            Capability::AffineResponse | Capability::ConvectionAsNeeded => case.role != Role::Fluid,
             Capability::ImplicitDrag | Capability::ContactState => case.role != Role::Particles,
             Capability::Checkpoint => false,
         };

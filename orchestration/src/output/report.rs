@@ -63,6 +63,7 @@ pub fn document(scene: &Scene, folder: &RunFolder, ending: Option<&Ending>) -> V
         "time_reached": summary.time,
         "cost": cost(summary, ending),
         "worst": summary.worst,
+        "left_out": summary.left_out,
         "totals": totals,
         "recording": recording,
         "exit": ending.map(|ending| json!({

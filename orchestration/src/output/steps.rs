@@ -30,7 +30,27 @@ pub struct Summary {
     pub sums: BTreeMap<String, f64>,
     /// Largest defects, residuals and penetrations; smallest porosity.
     pub worst: BTreeMap<String, f64>,
+    /// Parts that some steps may do without.
+    pub left_out: Vec<LeftOut>,
 }
+
+/// A part that was not there in some steps.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// What.
+    pub part: &'static str,
+    /// Steps without it.
+    pub steps_without: u64,
+    /// The first step with it; none: no step needed it.
+    pub first_step_with: Option<u64>,
+}
+
+/// Columns that are 0 in a step that did without a part.
+const PARTS: [(&str, &str); 3] = [
+    ("convection", "convection"),
+    ("contact_candidates", "contacts"),
+    ("wall_looks", "walls"),
+];
 
 impl Steps {
     /// An empty table; the first row names the columns.
@@ -73,7 +93,8 @@ impl Steps {
 /// Counters without, all else with exponent; both read back to the same bits.
 fn number(name: &str, value: f64) -> String {
     match name {
-        "step" | "passes" | "sub_steps" | "contacts" => format!("{value}"),
+        "step" | "passes" | "sub_steps" | "contacts" | "convection" => format!("{value}"),
+        "contact_candidates" | "contact_searches" | "wall_looks" => format!("{value}"),
         _ => format!("{value:e}"),
     }
 }
@@ -82,13 +103,16 @@ impl Summary {
     fn add(&mut self, values: &[Diagnostic]) {
         self.steps += 1;
         for Diagnostic { name, value } in values {
+            if let Some((_, part)) = PARTS.iter().find(|(column, _)| column == name) {
+                self.note(part, *value != 0.0);
+            }
             let kept = |table: &mut BTreeMap<String, f64>, pick: fn(f64, f64) -> f64| {
                 let entry = table.entry(name.clone()).or_insert(*value);
                 *entry = pick(*entry, *value);
             };
             match name.as_str() {
                 "time" => self.time = *value,
-                "wall" | "passes" | "sub_steps" => {
+                "wall" | "passes" | "sub_steps" | "contact_searches" | "wall_looks" => {
                     *self.sums.entry(name.clone()).or_default() += value
                 }
                 _ if name.starts_with("cpu_") || name.starts_with("wall_") => {
@@ -99,6 +123,27 @@ impl Summary {
                 _ if name.ends_with("_defect") => kept(&mut self.worst, larger),
                 _ => {}
             }
+        }
+    }
+}
+
+impl Summary {
+    /// Was a part there in this step?
+    fn note(&mut self, part: &'static str, there: bool) {
+        let step = self.steps;
+        let place = self.left_out.iter().position(|known| known.part == part);
+        let place = place.unwrap_or_else(|| {
+            self.left_out.push(LeftOut {
+                part,
+                steps_without: 0,
+                first_step_with: None,
+            });
+            self.left_out.len() - 1
+        });
+        let known = &mut self.left_out[place];
+        match there {
+            true => _ = known.first_step_with.get_or_insert(step),
+            false => known.steps_without += 1,
         }
     }
 }

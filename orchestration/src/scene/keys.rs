@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use protocol::configure::{
-    AdaptiveStep, Diagonals, DragLaw, Geometry, Nonlinear, Profile, Scheme, TimeScheme, ViscousForm,
+    AdaptiveStep, Convection, Diagonals, DragLaw, Geometry, Nonlinear, Profile, Scheme, TimeScheme,
+    ViscousForm,
 };
 use protocol::recording::Compression;
 use schemars::JsonSchema;
@@ -56,6 +57,10 @@ pub struct Run {
     pub end_time: f64,
     /// Coupling step (s): how often fluid and grains exchange.
     pub coupling_step: f64,
+    /// May engines leave out what their bounds allow? false: everything is computed in every step,
+    /// for comparison.
+    #[serde(default = "yes")]
+    pub leave_out: bool,
 }
 
 /// Gravity.
@@ -79,9 +84,10 @@ pub struct Fluid {
     /// Condition on each boundary: "all", or left, right, bottom, top of a rectangle, or the
     /// names of the mesh. A name goes before "all".
     pub boundaries: BTreeMap<String, BoundaryKey>,
-    /// Convection v·∇v; false: creeping flow.
-    #[serde(default = "yes")]
-    pub convection: bool,
+    /// Convection v·∇v: true, false (creeping flow), or "auto": left out while it is small.
+    #[serde(default = "as_needed")]
+    #[schemars(schema_with = "schema::convection")]
+    pub convection: Convection,
     /// Time scheme: "backward-euler", "bdf2" or "steady".
     #[serde(default = "backward_euler")]
     #[schemars(schema_with = "schema::time_scheme")]
@@ -348,6 +354,9 @@ impl Default for Output {
 
 fn yes() -> bool {
     true
+}
+fn as_needed() -> Convection {
+    Convection::AsNeeded
 }
 fn backward_euler() -> TimeScheme {
     TimeScheme::BackwardEuler

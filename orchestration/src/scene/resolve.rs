@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use protocol::configure::{
-    CouplerScene, FluidScene, Geometry, Limits, MeshSource, ParticleScene, Scheme,
+    Convection, CouplerScene, FluidScene, Geometry, Limits, MeshSource, ParticleScene, Scheme,
 };
 
 use super::Scene;
@@ -52,6 +52,7 @@ pub fn resolve(
         name: document.name(),
         folder,
         text: document.text().to_string(),
+        leave_out: keys.run.leave_out,
         warnings: warnings(&keys),
         coupler,
         grains: table,
@@ -88,7 +89,10 @@ fn fluid_part(
         gravity: keys.gravity.acceleration,
         mesh,
         boundaries,
-        convection: fluid.convection,
+        convection: match fluid.convection {
+            Convection::AsNeeded if !keys.run.leave_out => Convection::Always,
+            given => given,
+        },
         time_scheme: fluid.time_scheme,
         nonlinear: fluid.nonlinear,
         viscous_form: fluid.viscous_form,

@@ -25,6 +25,10 @@ pub(super) fn drag(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "enum": DRAG_LAWS })
 }
 
+pub(super) fn convection(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "enum": [true, false, "auto"] })
+}
+
 pub(super) fn time_scheme(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "enum": ["backward-euler", "bdf2", "steady"] })
 }

@@ -3,6 +3,7 @@
 mod bench_box;
 mod drag;
 mod motion;
+mod neighbours;
 mod packing;
 mod pathology;
 mod replay;

@@ -68,7 +68,7 @@ pub fn fluid_scene(cells: usize) -> FluidScene {
             grading: [1.0, 1.0],
         },
         boundaries: [("all".to_owned(), Boundary::NoSlip)].into(),
-        convection: true,
+        convection: true.into(),
         time_scheme: TimeScheme::BackwardEuler,
         nonlinear: Nonlinear::Picard,
         viscous_form: ViscousForm::Symmetric,

@@ -31,7 +31,8 @@ class _Engine:
     #: What the engine can do beyond the minimum: ``"affine-response"`` (fluid: uses
     #: ``entrained_fraction`` and ``solid_mobility``), ``"implicit-drag"`` (grains: ``grain_drag`` is in
     #: the free velocity and in the contact operator), ``"contact-state"`` (grains: ``grain_contact`` is
-    #: 2 where a wall holds a grain), ``"checkpoint"`` (``restore`` brings back the same bits).
+    #: 2 where a wall holds a grain), ``"checkpoint"`` (``restore`` brings back the same bits),
+    #: ``"convection-as-needed"`` (``scene["convection"]`` may be ``"auto"``: left out while small).
     capabilities = ()
 
     def commit(self):

@@ -1,0 +1,165 @@
+//! How much convection matters to a flow that is solved without it.
+//!
+//! ```text
+//!   Re = (1/k) [∫ |ρφ v·∇v|²/(μφ)]^½ / [∫ μφ (2|D(v)|² + k²|v|²)]^½,   k = π/L            (R1)
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! | ------ | ------- | ---- |
+//! | L      | shortest extent of the domain along an axis that is not periodic (all are: shortest period) | m |
+//! | D(v)   | ½(∇v + ∇vᵀ) | 1/s |
+//!
+//! Let δv be what the term would change. Testing its equation with δv gives ∫2μφ|D(δv)|² = −∫ρφ(v·∇v)·δv, and a flow without a net
+//! flux across a domain of width L has ∫|∇δv|² ≥ k²∫|δv|² (Poincaré): δv is at most Re of v, in the
+//! norm of the denominator. The bound is on the safe side: drag and inertia, which hold δv back too,
+//! are not in it, and the part of v·∇v that only changes the pressure is. Uniform flow has Re = 0.
+
+use rayon::prelude::*;
+
+use crate::element::interpolate;
+use crate::mesh::Mesh;
+use crate::momentum::dot;
+use crate::state::Flow;
+
+/// Triangles of a partial sum.
+const PIECE: usize = 1024;
+/// Shape functions at the centre of a triangle.
+const CENTRE: [f64; 3] = [1.0 / 3.0; 3];
+
+/// What (R1) needs besides the flow.
+#[derive(Debug, Clone, Copy)]
+pub struct Creeping {
+    /// ρ \[kg/m³\].
+    density: f64,
+    /// μ \[Pa s\].
+    viscosity: f64,
+    /// k = π/L \[1/m\].
+    wave_number: f64,
+}
+
+impl Creeping {
+    /// For a fluid on a mesh.
+    pub fn new(density: f64, viscosity: f64, mesh: &Mesh) -> Creeping {
+        Creeping {
+            density,
+            viscosity,
+            wave_number: std::f64::consts::PI / shortest_extent(mesh),
+        }
+    }
+
+    /// Re of (R1); 0 for fluid at rest.
+    pub fn reynolds(&self, flow: &Flow, mesh: &Mesh) -> f64 {
+        let triangles: Vec<usize> = (0..mesh.triangles.len()).collect();
+        // Partial sums of fixed pieces: the same bits on any number of threads.
+        let parts: Vec<[f64; 2]> = triangles
+            .par_chunks(PIECE)
+            .map(|piece| self.sums(piece, flow, mesh))
+            .collect();
+        let [convection, viscous] = parts
+            .iter()
+            .fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]]);
+        if convection == 0.0 {
+            return 0.0;
+        }
+        (convection / viscous).sqrt() / self.wave_number // (R1)
+    }
+
+    /// Both integrals of (R1) over some triangles, by the value at their centres.
+    fn sums(&self, triangles: &[usize], flow: &Flow, mesh: &Mesh) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for &t in triangles {
+            let (nodes, shape) = (mesh.triangles[t], &mesh.geometry[t]);
+            let porosity = nodes.map(|n| flow.porosity[n]);
+            let here = interpolate(&CENTRE, &porosity);
+            let slope = shape.gradient_of(&porosity);
+            let u = [0, 1].map(|d| nodes.map(|n| flow.superficial_velocity[n][d]));
+            let v = [0, 1].map(|d| interpolate(&CENTRE, &u[d]) / here);
+            let gradient = [0, 1].map(|d| {
+                let of_u = shape.gradient_of(&u[d]);
+                [0, 1].map(|f| (of_u[f] - v[d] * slope[f]) / here)
+            });
+            let carried = gradient.map(|row| dot(v, row)); // v·∇v
+            let shear = gradient[0][1] + gradient[1][0];
+            let strain = 2.0 * (gradient[0][0].powi(2) + gradient[1][1].powi(2)) + shear * shear; // 2|D|²
+            let (inertia, viscosity) = (self.density * here, self.viscosity * here);
+            sums[0] += shape.area * inertia * inertia / viscosity * dot(carried, carried);
+            sums[1] += shape.area * viscosity * (strain + self.wave_number.powi(2) * dot(v, v));
+        }
+        sums
+    }
+}
+
+/// L of (R1) \[m\].
+fn shortest_extent(mesh: &Mesh) -> f64 {
+    let extent = [0, 1].map(|axis| {
+        let along = || mesh.corners.iter().flatten().map(|corner| corner[axis]);
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    });
+    let shortest = |axes: [bool; 2]| {
+        let open = extent.iter().zip(axes).filter(|(_, taken)| *taken);
+        open.map(|(length, _)| *length)
+            .fold(f64::INFINITY, f64::min)
+    };
+    match mesh.period.map(|period| period.is_none()) {
+        [false, false] => shortest([true, true]),
+        walled => shortest(walled),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rectangle::Rectangle;
+
+    /// Flow of velocity v(x) in clear fluid.
+    fn flow(mesh: &Mesh, velocity: impl Fn([f64; 2]) -> [f64; 2]) -> Flow {
+        Flow {
+            superficial_velocity: mesh.position.iter().map(|x| velocity(*x)).collect(),
+            porosity: vec![1.0; mesh.node_count()],
+        }
+    }
+
+    #[test]
+    fn the_number_of_known_flows_is_the_one_of_their_integrals() {
+        let pi = std::f64::consts::PI;
+        let mesh = Rectangle::new([0.0; 2], [1.0, 1.0], [64, 64])
+            .mesh()
+            .unwrap();
+        let (density, viscosity, speed) = (2.0, 3.0, 1e-3);
+        let number = |flow: &Flow| Creeping::new(density, viscosity, &mesh).reynolds(flow, &mesh);
+        // Vortices U (sin kx cos ky, −cos kx sin ky): v·∇v = ½kU² (sin 2kx, sin 2ky), with
+        // ∫|v·∇v|² = k²U⁴/4, ∫2|D|² = k²U², ∫k²|v|² = k²U²/2: Re = ρU/(μk) √(1/6).
+        let vortices = flow(&mesh, |[x, y]| {
+            let (x, y) = (pi * x, pi * y);
+            [speed * x.sin() * y.cos(), -speed * x.cos() * y.sin()]
+        });
+        let expected = density * speed / (viscosity * pi) * (1.0_f64 / 6.0).sqrt();
+        let parallel = flow(&mesh, |[_, y]| [speed * y * (1.0 - y), 0.0]);
+        let uniform = flow(&mesh, |_| [speed, 0.5 * speed]);
+        println!(
+            "vortices {:.4e} ({expected:.4e}), parallel {:.1e}, uniform {:.1e}",
+            number(&vortices),
+            number(&parallel),
+            number(&uniform)
+        );
+        assert!((number(&vortices) / expected - 1.0).abs() < 2e-3);
+        assert!(number(&parallel) < 1e-12 && number(&uniform) < 1e-12);
+        assert_eq!(number(&flow(&mesh, |_| [0.0; 2])), 0.0);
+    }
+
+    #[test]
+    fn the_extent_is_taken_between_walls() {
+        for (periodic, extent) in [
+            ([false, false], 0.2),
+            ([true, false], 1.0),
+            ([false, true], 0.2),
+            ([true, true], 0.2),
+        ] {
+            let mut rectangle = Rectangle::new([0.0; 2], [0.2, 1.0], [3, 9]);
+            rectangle.periodic = periodic;
+            let found = shortest_extent(&rectangle.mesh().unwrap());
+            println!("{periodic:?}: {found}");
+            assert!((found - extent).abs() < 1e-12);
+        }
+    }
+}

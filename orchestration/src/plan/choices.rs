@@ -1,0 +1,381 @@
+//! What a run chooses by itself: each part with the bound that decides, its value on this scene, the
+//! reason, and what leaving it out saves.
+//!
+//! Values are those of t = 0. Where a part is watched the engine looks at its bound in every step and
+//! the part is there in the very step that needs it; `run.json` says which (`left_out`).
+
+use std::fmt;
+
+use protocol::configure::{Boundary, Convection, MeshSource, Scheme, Wall};
+use serde::Serialize;
+
+use super::cost::Cost;
+use crate::scene::Scene;
+
+/// Reynolds number below which the built-in fluid leaves convection out (fluid-solver/src/creeping.rs).
+const CREEPING_REYNOLDS: f64 = 1e-3;
+/// Deposited fields keep the lumped mass up to this ratio of grain diameter to cell size.
+const LUMPED_RATIO_MAX: f64 = 0.25;
+/// Reach of a kept search beyond the radius, of the radius (particle-solver/src/neighbours.rs).
+const SPARE: f64 = 0.4;
+
+/// One choice.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Choice {
+    /// What it is about.
+    pub part: &'static str,
+    /// What was chosen.
+    pub chosen: String,
+    /// Why.
+    pub reason: String,
+    /// The number that decides.
+    pub bound: Option<f64>,
+    /// Its value on this scene at the start.
+    pub value: Option<f64>,
+    /// Share of a pass that it saves, by the cost model of the plan.
+    pub saves: Option<f64>,
+    /// Is the bound looked at in every step?
+    pub watched: bool,
+}
+
+impl fmt::Display for Choice {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}: {}: {}", self.part, self.chosen, self.reason)?;
+        if let (Some(bound), Some(value)) = (self.bound, self.value) {
+            write!(out, " [{value:.2e}, bound {bound:.1e}]")?;
+        }
+        match self.saves {
+            Some(saves) if saves < 0.005 => write!(out, ", saves next to nothing here")?,
+            Some(saves) => write!(out, ", saves about {:.0} % of a pass", 100.0 * saves)?,
+            None => {}
+        }
+        if self.watched {
+            write!(out, ", watched")?;
+        }
+        Ok(())
+    }
+}
+
+/// A choice without numbers.
+fn plain(part: &'static str, chosen: &str, reason: impl Into<String>) -> Choice {
+    Choice {
+        part,
+        chosen: chosen.to_string(),
+        reason: reason.into(),
+        bound: None,
+        value: None,
+        saves: None,
+        watched: false,
+    }
+}
+
+/// All choices of a scene.
+pub fn choices(scene: &Scene) -> Vec<Choice> {
+    let smoothing = smoothing(scene);
+    let smoothed = smoothing.as_ref().is_some_and(|(_, smoothed)| *smoothed);
+    let cost = Cost::of(scene, smoothed);
+    let mut choices = Vec::new();
+    choices.extend(convection(scene, &cost));
+    choices.extend(contacts(scene, &cost));
+    choices.extend(walls(scene));
+    choices.extend(friction(scene));
+    choices.extend(smoothing.map(|(choice, smoothed)| Choice {
+        saves: (!smoothed).then(|| {
+            let with = Cost::of(scene, true);
+            with.share(with.smoothing)
+        }),
+        ..choice
+    }));
+    choices.extend(passes(scene));
+    choices.extend(sub_steps(scene));
+    choices.extend(fields(scene));
+    choices.push(output(scene));
+    choices
+}
+
+/// Without grains that the fluid feels its matrix stays the same once convection is out of it.
+fn convection(scene: &Scene, cost: &Cost) -> Option<Choice> {
+    let fluid = scene.coupler.fluid.as_ref()?;
+    let alone = scene.coupler.particles.is_none() || !scene.coupler.reaction;
+    let kept = cost.share(cost.matrix);
+    let saves = Some(if alone { kept } else { 0.0 });
+    let reason = |rest: &str| match alone {
+        true => format!("{rest}; without it one factorised matrix serves all steps"),
+        false => format!("{rest}; the matrix follows the grains in any case"),
+    };
+    Some(match fluid.convection {
+        Convection::Never => Choice {
+            saves,
+            ..plain("convection", "left out", reason("fluid.convection = false"))
+        },
+        Convection::Always if !scene.leave_out => {
+            plain("convection", "there", "run.leave_out = false")
+        }
+        Convection::Always => plain("convection", "there", "fluid.convection = true"),
+        Convection::AsNeeded if scene.engines.fluid.is_some() => plain(
+            "convection",
+            "there",
+            "unless the engine of this scene says that it leaves it out as needed",
+        ),
+        Convection::AsNeeded => Choice {
+            bound: Some(CREEPING_REYNOLDS),
+            value: Some(reynolds(scene)),
+            saves,
+            watched: true,
+            ..plain(
+                "convection",
+                "left out while the flow creeps",
+                reason("a step whose Reynolds number is above the bound has it, and all after it"),
+            )
+        },
+    })
+}
+
+/// ρ V L/(π μ) with the fastest flow that the scene's numbers lead to: what is prescribed, or what
+/// the weight of all grains drives, F/(4πμ); on the large side.
+fn reynolds(scene: &Scene) -> f64 {
+    let Some(fluid) = &scene.coupler.fluid else {
+        return 0.0;
+    };
+    let size = |[x, y]: [f64; 2]| x.hypot(y);
+    let inflow = fluid.boundaries.values().map(|boundary| match boundary {
+        Boundary::Inflow { velocity, .. } => size(*velocity),
+        _ => 0.0,
+    });
+    let prescribed = inflow.fold(size(fluid.initial_velocity), f64::max);
+    let grains = &scene.grains;
+    let excess: f64 = (0..grains.len())
+        .filter(|&grain| !grains.fixed[grain] && scene.coupler.reaction)
+        .map(|grain| {
+            let area = std::f64::consts::PI * grains.radius[grain].powi(2);
+            area * (grains.density[grain] - fluid.density).abs()
+        })
+        .sum();
+    let driven =
+        excess * size(fluid.gravity) / (4.0 * std::f64::consts::PI * fluid.dynamic_viscosity);
+    let extent = match &fluid.mesh {
+        MeshSource::Rectangle { lower, upper, .. } => {
+            (upper[0] - lower[0]).min(upper[1] - lower[1])
+        }
+        // Its extent is in the file.
+        MeshSource::File { .. } => 1.0,
+    };
+    let speed = prescribed.max(driven);
+    fluid.density * speed * extent / (std::f64::consts::PI * fluid.dynamic_viscosity)
+}
+
+fn contacts(scene: &Scene, cost: &Cost) -> Option<Choice> {
+    scene.coupler.particles.as_ref()?;
+    if scene.engines.particles.is_some() {
+        let reason = "the engine of this scene searches as it likes";
+        return Some(plain("contacts", "up to the engine", reason));
+    }
+    if !scene.leave_out {
+        let reason = "run.leave_out = false";
+        return Some(plain("contacts", "searched for in every sub-step", reason));
+    }
+    let fixed = scene.grains.fixed.iter().all(|&fixed| fixed);
+    if fixed {
+        let reason = "no grain moves";
+        return Some(Choice {
+            saves: Some(cost.share(cost.search)),
+            ..plain("contacts", "left out", reason)
+        });
+    }
+    Some(Choice {
+        bound: Some(SPARE),
+        value: smallest_gap(scene),
+        saves: Some(cost.share(0.9 * cost.search)),
+        watched: true,
+        ..plain(
+            "contacts",
+            "searched for when a grain has used up the spare reach of the last search",
+            "until then its pairs are all that can meet, to the bit; the smallest gap, of the radius",
+        )
+    })
+}
+
+/// Smallest gap between two grains of which one moves, of the smaller radius.
+fn smallest_gap(scene: &Scene) -> Option<f64> {
+    let grains = &scene.grains;
+    let mut order: Vec<usize> = (0..grains.len()).collect();
+    order.sort_by(|&a, &b| grains.position[a][0].total_cmp(&grains.position[b][0]));
+    let largest = grains.radius.iter().copied().fold(0.0, f64::max);
+    let mut smallest: Option<f64> = None;
+    for (place, &i) in order.iter().enumerate() {
+        for &j in &order[place + 1..] {
+            let along = grains.position[j][0] - grains.position[i][0];
+            let (one, two) = (grains.radius[i], grains.radius[j]);
+            let least = smallest.unwrap_or(f64::INFINITY);
+            if along > grains.radius[i] + largest + least * largest {
+                break;
+            }
+            if grains.fixed[i] && grains.fixed[j] {
+                continue;
+            }
+            let across = grains.position[j][1] - grains.position[i][1];
+            let gap = (along.hypot(across) - one - two) / one.min(two);
+            smallest = Some(gap.min(least));
+        }
+    }
+    smallest
+}
+
+fn walls(scene: &Scene) -> Option<Choice> {
+    let part = scene.coupler.particles.as_ref()?;
+    if part.walls.is_empty() {
+        return Some(plain(
+            "walls",
+            "left out",
+            "the scene has no wall for grains",
+        ));
+    }
+    if scene.engines.particles.is_some() || !scene.leave_out {
+        return None;
+    }
+    let grains = &scene.grains;
+    let far = (0..grains.len()).filter(|&grain| {
+        let reach = std::f64::consts::SQRT_2 * (1.0 + SPARE) * grains.radius[grain];
+        let near = |wall: &Wall| distance(wall, grains.position[grain]) <= reach;
+        grains.fixed[grain] || !part.walls.iter().any(near)
+    });
+    let share = far.count() as f64 / grains.len().max(1) as f64;
+    Some(Choice {
+        value: Some(share),
+        watched: true,
+        ..plain(
+            "walls",
+            "looked at by grains that may have come near one",
+            format!(
+                "{:.0} % of the grains are far from every wall at the start",
+                100.0 * share
+            ),
+        )
+    })
+}
+
+/// From a point to a wall segment \[m\].
+fn distance(wall: &Wall, [x, y]: [f64; 2]) -> f64 {
+    let along = [wall.b[0] - wall.a[0], wall.b[1] - wall.a[1]];
+    let from = [x - wall.a[0], y - wall.a[1]];
+    let square = along[0] * along[0] + along[1] * along[1];
+    let place = ((from[0] * along[0] + from[1] * along[1]) / square).clamp(0.0, 1.0);
+    (from[0] - place * along[0]).hypot(from[1] - place * along[1])
+}
+
+fn friction(scene: &Scene) -> Option<Choice> {
+    let part = scene.coupler.particles.as_ref()?;
+    Some(if part.friction == 0.0 && part.wall_friction == 0.0 {
+        plain(
+            "friction",
+            "left out, with the spin of the grains",
+            "its coefficients are 0",
+        )
+    } else {
+        plain("friction", "there", "a coefficient is above 0")
+    })
+}
+
+/// The choice, and whether the transfer is smoothed.
+fn smoothing(scene: &Scene) -> Option<(Choice, bool)> {
+    let coupler = &scene.coupler;
+    let (fluid, _) = (coupler.fluid.as_ref()?, coupler.particles.as_ref()?);
+    const PART: &str = "diffusion of the transfer";
+    if let Some(length) = coupler.smoothing_length {
+        let chosen = if length > 0.0 { "there" } else { "left out" };
+        let reason = format!("coupling.smoothing_length = {length:e} m");
+        return Some((plain(PART, chosen, reason), length > 0.0));
+    }
+    let MeshSource::Rectangle {
+        lower,
+        upper,
+        cells,
+        grading,
+        ..
+    } = &fluid.mesh
+    else {
+        let reason = "there where a grain's diameter is above 0.25 of the smallest cell";
+        return Some((
+            plain(PART, "decided by the mesh of the file", reason),
+            false,
+        ));
+    };
+    let sides = [0, 1].map(|axis| (upper[axis] - lower[axis]) / cells[axis] as f64);
+    let cell = (sides[0] * sides[1]).sqrt() / (grading[0] * grading[1]).sqrt();
+    let diameter = 2.0 * scene.grains.radius.iter().copied().fold(0.0, f64::max);
+    let ratio = diameter / cell;
+    let smoothed = ratio > LUMPED_RATIO_MAX;
+    let (chosen, reason) = match smoothed {
+        true => (
+            "there, over two diameters",
+            "grains are not small beside the cells",
+        ),
+        false => ("left out", "grains are small beside the cells"),
+    };
+    let choice = Choice {
+        bound: Some(LUMPED_RATIO_MAX),
+        value: Some(ratio),
+        ..plain(PART, chosen, format!("{reason}: diameter over cell"))
+    };
+    Some((choice, smoothed))
+}
+
+fn passes(scene: &Scene) -> Option<Choice> {
+    let coupler = &scene.coupler;
+    (coupler.fluid.is_some() && coupler.particles.is_some()).then(|| match coupler.scheme {
+        _ if !coupler.reaction => {
+            plain("passes", "one a step", "the fluid does not feel the grains")
+        }
+        Scheme::Iterated { tolerance, .. } => Choice {
+            bound: Some(tolerance),
+            watched: true,
+            ..plain(
+                "passes",
+                "as few as reach the interaction defect",
+                format!("one where no contact interferes; bound {tolerance:e}"),
+            )
+        },
+        _ => plain("passes", "one a step", "coupling.scheme"),
+    })
+}
+
+fn sub_steps(scene: &Scene) -> Option<Choice> {
+    let part = scene.coupler.particles.as_ref()?;
+    Some(Choice {
+        watched: true,
+        ..plain(
+            "sub-steps",
+            "one, and more where grains pass each other",
+            format!(
+                "from relative motion and gaps, at most {}; a cloud that moves as one needs one",
+                part.sub_steps_max
+            ),
+        )
+    })
+}
+
+fn fields(scene: &Scene) -> Option<Choice> {
+    scene.coupler.fluid.as_ref()?;
+    Some(plain(
+        "fields",
+        "all of them with every pass",
+        "the pressure is read by states that are put out alone, but version 1 of the protocol has no \
+         way to ask for it only then",
+    ))
+}
+
+fn output(scene: &Scene) -> Choice {
+    let pictures = if scene.output.frames {
+        ", a picture each"
+    } else {
+        ", no pictures"
+    };
+    match scene.coupler.output_every {
+        None => plain(
+            "output",
+            "first and last state",
+            format!("output.every is not set{pictures}"),
+        ),
+        Some(every) => plain("output", "states", format!("every {every:e} s{pictures}")),
+    }
+}

@@ -1,0 +1,70 @@
+//! What a step costs, roughly: for the shares that a plan gives, never for a result.
+//!
+//! ```text
+//!   fluid      1.4 µs a triangle (assembly) + 0.94 µs N^1.2 (factor) + 0.9 µs N (solves), N nodes
+//!   grains     1.1 µs a grain, 0.4 of it the search for contacts when it is made each time;
+//!              dry: 20 µs more, the contacts
+//!   coupler    0.1 µs a node + 0.9 µs a grain; 9 µs a node more with a smoothed transfer
+//! ```
+//!
+//! One pass on one thread, from the scenes of this repository (docs/leaving-out.md).
+
+use protocol::configure::MeshSource;
+
+use crate::scene::Scene;
+
+/// Seconds of one pass by part; only their ratios are meant.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Cost {
+    /// The matrix of the fluid: assembly and factor.
+    pub matrix: f64,
+    /// Right-hand side and solves of the fluid.
+    pub solve: f64,
+    /// Search for contacts, made each time.
+    pub search: f64,
+    /// The rest of the grains.
+    pub grains: f64,
+    /// Transfer, drag, budgets.
+    pub coupler: f64,
+    /// Linear solves of a smoothed transfer.
+    pub smoothing: f64,
+}
+
+impl Cost {
+    /// Of a scene whose transfer is smoothed or not; a mesh file counts as 10 000 nodes.
+    pub fn of(scene: &Scene, smoothed: bool) -> Cost {
+        let nodes = match scene.coupler.fluid.as_ref().map(|fluid| &fluid.mesh) {
+            None => 0.0,
+            Some(MeshSource::File { .. }) => 1e4,
+            Some(MeshSource::Rectangle { cells, .. }) => {
+                (cells[0] + 1) as f64 * (cells[1] + 1) as f64
+            }
+        };
+        let grains = scene.grains.len() as f64;
+        let coupled = if nodes > 0.0 && grains > 0.0 {
+            1.0
+        } else {
+            0.0
+        };
+        let assembly = 1.4e-6 * 2.0 * nodes;
+        Cost {
+            matrix: 0.6 * assembly + 0.94e-6 * nodes.powf(1.2),
+            solve: 0.4 * assembly + 0.9e-6 * nodes,
+            search: 0.4e-6 * grains,
+            grains: if nodes > 0.0 { 0.7e-6 } else { 20.7e-6 } * grains,
+            coupler: coupled * (0.1e-6 * nodes + 0.9e-6 * grains),
+            smoothing: if smoothed {
+                coupled * 9e-6 * nodes
+            } else {
+                0.0
+            },
+        }
+    }
+
+    /// This part of it.
+    pub fn share(&self, seconds: f64) -> f64 {
+        let fluid = self.matrix + self.solve;
+        let total = fluid + self.search + self.grains + self.coupler + self.smoothing;
+        seconds / total.max(f64::MIN_POSITIVE)
+    }
+}
