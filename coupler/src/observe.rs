@@ -79,7 +79,10 @@ fn add_grains(row: &mut Row, coupling: &Coupling) {
     let (mut x, mut y) = (axis(&grains.position, 0), axis(&grains.position, 1));
     row.add("centre_x", mean(&x));
     row.add("centre_y", mean(&y));
-    row.add("fall_speed", -mean(&axis(&grains.velocity, 1)));
+    let mut rise = axis(&grains.velocity, 1);
+    row.add("fall_speed", -mean(&rise));
+    rise.sort_by(f64::total_cmp);
+    row.add("fall_speed_median", -quantile(&rise, 0.5));
     x.sort_by(f64::total_cmp);
     y.sort_by(f64::total_cmp);
     row.add("front", quantile(&y, 0.0));

@@ -125,7 +125,7 @@ pub fn column(stiffness: f64, porosity: f64, ratio: f64, size: f64) -> Case {
     // Sixteen grains a cell, fewer where they would touch.
     let spacing = (0.25 * cell).max(4.0 * radius);
     let columns = (spacing / cell).ceil().max(1.0) as usize;
-    let rows = 16.max(8 * columns);
+    let rows = 32.max(8 * columns);
     let mixture = spheres(radius, spacing, porosity, ratio);
     let step = stiffness * mixture.mass() / mixture.drag(0.0);
     let weight = mixture.volume() * mixture.density * (ratio - 1.0).abs().max(1e-12);
@@ -152,7 +152,7 @@ pub fn column(stiffness: f64, porosity: f64, ratio: f64, size: f64) -> Case {
             + &coupling(&mixture, smoothing),
         steps: STEPS,
         limit: Limit {
-            column: "fall_speed",
+            column: "fall_speed_median",
             value,
             scale: if neutral { settled } else { value.abs() },
             tolerance: if size <= 0.25 { UNIFORM } else { ROUGH },
@@ -263,8 +263,7 @@ pub fn held(layers: f64, stiffness: f64) -> Case {
     // A little room, so that the side walls hold the stack straight and carry nothing.
     let slack = 1e-9 * radius;
     let walls = format!(
-        "[particles]\ndomain = {{ lower = [{:e}, {:e}], upper = [{:e}, {:e}], open = [\"top\"] }}\n",
-        -slack,
+        "[particles]\ndomain = {{ lower = [{:e}, 0.0], upper = [{:e}, {:e}], open = [\"top\"] }}\n",
         -slack,
         width + slack,
         2.0 * height,
@@ -362,7 +361,7 @@ pub fn pair(mixture: Suspension, step: f64) -> Case {
             + &coupling(&mixture, None),
         steps,
         limit: Limit {
-            column: "fall_speed",
+            column: "fall_speed_median",
             value,
             scale: value.abs(),
             tolerance: ROUGH,
