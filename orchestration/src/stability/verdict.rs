@@ -24,7 +24,7 @@ pub const GROWTH: f64 = 3.0;
 /// Largest relative defect of volume and of the third law.
 pub const BALANCE: f64 = 1e-6;
 /// Longest answer of an engine \[s\].
-pub const SECONDS: f64 = 60.0;
+pub const SECONDS: f64 = 30.0;
 
 /// How a cell came out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
