@@ -249,8 +249,10 @@ impl Watcher {
 
     /// Block until something happens, or until a loss that nobody noticed must be enforced.
     fn wait(&self, stop: &OwnedFd) -> Seen {
-        // Without a signal to heed, the second place is taken by a descriptor that is there anyway.
-        let told = process::told().unwrap_or(stop.as_fd());
+        // Without a signal to heed, the second place is taken by a descriptor that is there anyway: it
+        // may become ready between the looks at the two places.
+        let heeded = process::told();
+        let told = heeded.unwrap_or(stop.as_fd());
         let mut fds = vec![
             PollFd::new(stop, PollFlags::IN),
             PollFd::new(&told, PollFlags::IN),
@@ -267,7 +269,7 @@ impl Watcher {
             return Seen::Ended(Vec::new());
         }
         let ready: Vec<bool> = fds.iter().map(|fd| !fd.revents().is_empty()).collect();
-        if ready[0] {
+        if ready[0] || ready[1] && heeded.is_none() {
             return Seen::Stop;
         }
         if ready[1] {

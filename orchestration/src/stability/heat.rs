@@ -25,7 +25,7 @@ const RIGHT: i32 = 24;
 const INK: RGBColor = RGBColor(33, 37, 41);
 const GREY: RGBColor = RGBColor(134, 142, 150);
 /// Nothing was run here.
-const EMPTY: RGBColor = RGBColor(246, 247, 248);
+const EMPTY: RGBColor = RGBColor(250, 250, 250);
 
 /// Write `heat/MAP.svg` and `heat/MAP.png` of every map.
 pub fn write(folder: &Path, results: &[MapResult]) -> Result<(), Error> {
@@ -118,7 +118,7 @@ fn look(cell: &Cell) -> (RGBColor, String, RGBColor) {
     }
 }
 
-/// From almost white at an error of 1e-6 to a light green at 0.1.
+/// From a very pale green at an error of 1e-6 to a light green at 0.1.
 fn shade(error: f64) -> RGBColor {
     let share = ((error.max(1e-12).log10() + 6.0) / 5.0).clamp(0.0, 1.0);
     let between = |pale: f64, deep: f64| (pale + share * (deep - pale)).round() as u8;
