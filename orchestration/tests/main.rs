@@ -11,3 +11,4 @@ mod recordings;
 mod reports;
 mod scene_errors;
 mod scenes_folder;
+mod stability;
