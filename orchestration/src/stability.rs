@@ -244,7 +244,10 @@ fn settings(map: &Map, scheme: usize) -> Vec<String> {
     let mut settings = vec![
         "output.frames=false".to_string(),
         "output.fields=[]".to_string(),
-        format!("limits.step={:e}", verdict::SECONDS),
+        format!(
+            "limits.step={:e}",
+            verdict::seconds(SCHEMES[scheme].0 == DEFAULT)
+        ),
     ];
     if map.coupled {
         settings.push(format!("coupling.scheme={}", SCHEMES[scheme].1));

@@ -79,7 +79,7 @@ fn size(map: &MapResult) -> (u32, u32) {
     let (width, height) = panel(map);
     let panels = map.schemes().len() as i32;
     let wide = left(map) + panels * width + (panels - 1) * GAP + RIGHT;
-    (wide.max(760) as u32, (TOP + height + BOTTOM) as u32)
+    (wide.max(880) as u32, (TOP + height + BOTTOM) as u32)
 }
 
 /// How far a text is anchored to its point.
@@ -243,6 +243,7 @@ fn legend<B: DrawingBackend>(root: &DrawingArea<B, Shift>, y: i32) -> Result<(),
         Verdict::NotConverged,
         Verdict::BudgetBroken,
         Verdict::WrongLimit,
+        Verdict::TimeLimit,
         Verdict::Refused,
     ];
     let mut x = 16;

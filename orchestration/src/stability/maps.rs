@@ -197,7 +197,7 @@ pub fn all() -> Vec<Map> {
             across: stiffness(),
             up: Axis::new(
                 "stack height [grains]",
-                &[4.0, 16.0, 64.0, 256.0, 1024.0],
+                &[4.0, 16.0, 64.0, 256.0],
                 &[0, 1, 2],
             ),
             coupled: true,
