@@ -251,6 +251,10 @@ fn settings(map: &Map, scheme: usize) -> Vec<String> {
     ];
     if map.coupled {
         settings.push(format!("coupling.scheme={}", SCHEMES[scheme].1));
+        if SCHEMES[scheme].0 != DEFAULT {
+            // What the default asks of contacts for its own tolerance: only schemes are compared.
+            settings.push("contact.tolerance=1e-6".to_string());
+        }
     }
     settings
 }

@@ -79,7 +79,7 @@ fn size(map: &MapResult) -> (u32, u32) {
     let (width, height) = panel(map);
     let panels = map.schemes().len() as i32;
     let wide = left(map) + panels * width + (panels - 1) * GAP + RIGHT;
-    (wide.max(880) as u32, (TOP + height + BOTTOM) as u32)
+    (wide.max(980) as u32, (TOP + height + BOTTOM) as u32)
 }
 
 /// How far a text is anchored to its point.
@@ -160,7 +160,7 @@ fn draw<B: DrawingBackend>(root: &DrawingArea<B, Shift>, map: &MapResult) -> Res
         } else {
             scheme.into()
         };
-        let head = format!("{name}: {stable} of {} stable", map.of(scheme).count());
+        let head = format!("{name}: {stable}/{} stable", map.of(scheme).count());
         write(
             &head,
             (x + width / 2, TOP - 14),
