@@ -52,7 +52,7 @@ pub struct StabilityArgs {
     /// Only this pair of axes (repeatable); --list names them
     #[arg(long, value_name = "NAME")]
     pub axes: Vec<String>,
-    /// A few points of every axis, both ends among them: less than 3 minutes on two cores
+    /// A few points of every axis, the cheap ends among them: less than 3 minutes on two cores
     #[arg(long)]
     pub quick: bool,
     /// Name the pairs of axes, and what is run at their points
