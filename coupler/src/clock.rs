@@ -15,6 +15,10 @@ use protocol::configure::{AdaptiveStep, CouplerScene};
 const GROWTH_MAX: f64 = 1.2;
 /// A step that was halved may grow by this factor over the last one.
 const RECOVERY: f64 = 2.0;
+/// The last step may be longer by this part, rather than be followed by a very short one.
+const LAST_STRETCH: f64 = 1e-3;
+/// Sums of steps are off by less than this part of a step.
+const ROUND_OFF: f64 = 1e-9;
 /// A nominal step may be halved down to this part of it.
 const SMALLEST_PART: f64 = 1.0 / 64.0;
 
@@ -53,7 +57,8 @@ impl Clock {
     }
 
     /// Length of the next step \[s\]: the nominal one, or the one in which the fastest grain crosses
-    /// `courant` cells. The last step is cut to end on time.
+    /// `courant` cells. The last two share what is left, so that none is a sliver: the pressure of a
+    /// step carries 1/Δt.
     pub fn next_step(&mut self, time: f64, speed_max: f64, cell: f64) -> f64 {
         self.coupling_step = match self.adaptive {
             Some(adaptive) => {
@@ -69,8 +74,11 @@ impl Clock {
             None => self.nominal.min(RECOVERY * self.coupling_step),
         };
         let remaining = self.end_time - time;
-        if remaining <= self.coupling_step * (1.0 + 1e-9) {
+        let steps_left = remaining / self.coupling_step;
+        if steps_left <= 1.0 + LAST_STRETCH {
             remaining
+        } else if steps_left < 2.0 - ROUND_OFF {
+            0.5 * remaining
         } else {
             self.coupling_step
         }
@@ -194,6 +202,20 @@ mod tests {
         assert_eq!(clock.retry(0.01), None);
         assert_eq!(clock.retry(0.04), Some(0.02));
         assert!((clock.next_step(0.12, 0.0, 1.0) - 0.024).abs() < 1e-15);
+    }
+
+    #[test]
+    fn no_step_is_a_sliver_when_the_end_is_not_a_multiple_of_the_step() {
+        println!("| end time | steps | shortest | longest |");
+        let nominal = 0.1;
+        for end in [1.0, 1.0 + 1e-13, 1.0 + 1e-7, 1.001, 1.05, 1.0999, 0.03] {
+            let taken = steps(&mut clock(end, nominal, None), 0.0..0.0, nominal);
+            let shortest = taken.iter().copied().fold(f64::INFINITY, f64::min);
+            let longest = taken.iter().copied().fold(0.0, f64::max);
+            println!("| {end} | {} | {shortest} | {longest} |", taken.len());
+            assert!(shortest >= 0.5 * nominal.min(end) && longest <= 1.002 * nominal);
+            assert!((taken.iter().sum::<f64>() - end).abs() <= 1e-12);
+        }
     }
 
     #[test]

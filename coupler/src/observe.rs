@@ -48,7 +48,7 @@ pub fn columns(coupling: &Coupling, report: &StepReport, cost: &StepCost) -> Vec
     row.add("interaction_defect", report.interaction_defect);
     row.add("energy_defect", report.budget.energy_defect);
     row.add("transfer_loss", report.budget.transfer_loss);
-    add_grains(&mut row, coupling);
+    add_grains(&mut row, coupling, report);
     add_fluid(&mut row, coupling);
     row.0
 }
@@ -65,7 +65,7 @@ impl Row {
     }
 }
 
-fn add_grains(row: &mut Row, coupling: &Coupling) {
+fn add_grains(row: &mut Row, coupling: &Coupling, report: &StepReport) {
     let Some(seat) = &coupling.particles else {
         return;
     };
@@ -79,16 +79,44 @@ fn add_grains(row: &mut Row, coupling: &Coupling) {
     let (mut x, mut y) = (axis(&grains.position, 0), axis(&grains.position, 1));
     row.add("centre_x", mean(&x));
     row.add("centre_y", mean(&y));
+    // Grains move with the velocity of the step's end, so their places are half a step ahead of it:
+    // the middle of the last path belongs to the time of the row, to second order.
+    let path = mean(&axis(&grains.mean_velocity, 1));
+    row.add("centre_y_mid", mean(&y) - 0.5 * report.dt * path);
     let mut rise = axis(&grains.velocity, 1);
     row.add("fall_speed", -mean(&rise));
     rise.sort_by(f64::total_cmp);
     row.add("fall_speed_median", -quantile(&rise, 0.5));
+    for (name, value) in mechanics(coupling) {
+        row.add(name, value);
+    }
     x.sort_by(f64::total_cmp);
     y.sort_by(f64::total_cmp);
     row.add("front", quantile(&y, 0.0));
     row.add("rear", quantile(&y, 1.0));
     row.add("width", quantile(&x, 1.0) - quantile(&x, 0.0));
     row.add("width98", quantile(&x, 0.99) - quantile(&x, 0.01));
+}
+
+/// Of the grains that move: Σ m v \[kg m/s\], Σ ½ m v² and Σ m (½ v² − g·x) \[J\], disks per metre.
+fn mechanics(coupling: &Coupling) -> [(&'static str, f64); 4] {
+    let (grains, gravity) = (&coupling.grains, coupling.scene().gravity);
+    let (mut momentum, mut kinetic, mut potential) = ([0.0; 2], 0.0, 0.0);
+    for i in (0..grains.count()).filter(|&i| !grains.fixed[i]) {
+        let at = |values: &[f64], axis: usize| values[2 * i + axis];
+        for axis in 0..2 {
+            let speed = at(&grains.velocity, axis);
+            momentum[axis] += grains.mass[i] * speed;
+            kinetic += 0.5 * grains.mass[i] * speed * speed;
+            potential -= grains.mass[i] * gravity[axis] * at(&grains.position, axis);
+        }
+    }
+    [
+        ("momentum_x", momentum[0]),
+        ("momentum_y", momentum[1]),
+        ("kinetic_energy", kinetic),
+        ("mechanical_energy", kinetic + potential),
+    ]
 }
 
 fn add_fluid(row: &mut Row, coupling: &Coupling) {

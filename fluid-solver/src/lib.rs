@@ -39,6 +39,7 @@ pub mod element;
 pub mod error;
 pub mod gmsh;
 pub mod linear;
+pub mod manufactured;
 pub mod mesh;
 pub mod momentum;
 pub mod multifrontal;

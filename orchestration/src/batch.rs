@@ -50,17 +50,23 @@ pub fn one(
     if outcome.ending.code == exit_code::INTERRUPTED {
         return Ok(None);
     }
-    let point = json!({
-        "mark": mark,
-        "exit": outcome.ending.code,
-        "why": outcome.ending.why,
-        "load": load(),
-    });
-    vtu::write(&place.join("point.json"), format!("{point:#}\n"))?;
+    let ending = &outcome.ending;
     Ok(Some(Done {
-        point,
+        point: write_point(place, mark, ending.code, ending.why.as_deref())?,
         document: outcome.document,
     }))
+}
+
+/// Write `point.json`: that it is there says that the run is over.
+pub fn write_point(
+    place: &Path,
+    mark: &Value,
+    code: i32,
+    why: Option<&str>,
+) -> Result<Value, Error> {
+    let point = json!({ "mark": mark, "exit": code, "why": why, "load": load() });
+    vtu::write(&place.join("point.json"), format!("{point:#}\n"))?;
+    Ok(point)
 }
 
 /// Runnable processes, mean of the last minute.

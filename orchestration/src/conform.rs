@@ -26,6 +26,7 @@ use protocol::messages::Role;
 
 use crate::cli::{BenchArgs, ConformArgs, ConformCouplerArgs};
 use crate::error::Error;
+use crate::say;
 use case::Case;
 pub use report::{Outcome, Report, Row};
 
@@ -103,7 +104,7 @@ pub fn command(args: &ConformArgs) -> Result<Report, Error> {
     let case = case(&args.bench, args.command.clone())?;
     run(&case, &args.checks, |row| {
         if !args.json {
-            println!("{row}");
+            say!("{row}");
         }
     })
 }

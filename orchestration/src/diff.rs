@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use crate::cli::DiffArgs;
 use crate::error::Error;
 use crate::record;
+use crate::say;
 use steps::Columns;
 
 /// The command: the tables, or with `--json` a document, on standard output.
@@ -42,21 +43,21 @@ pub fn command(args: &DiffArgs) -> Result<(), Error> {
             "steps": columns.map(|columns| columns.to_json(args.tolerance)),
             "recordings": exchange.map(|exchange| exchange.document),
         });
-        println!("{document:#}");
+        say!("{document:#}");
     } else {
         if let Some(columns) = &columns {
-            print!(
+            say!(
                 "steps.csv (times left out)\n{}",
                 columns.text(args.tolerance)
             );
         }
         if let Some(exchange) = &exchange {
-            print!("recordings\n{}", exchange.text);
+            say!("recordings\n{}", exchange.text);
         } else {
-            println!("no recordings to compare");
+            say!("no recordings to compare");
         }
         let verdict = if within { "within" } else { "OUTSIDE" };
-        println!("{verdict} the tolerance {:e}", args.tolerance);
+        say!("{verdict} the tolerance {:e}", args.tolerance);
     }
     if within {
         Ok(())

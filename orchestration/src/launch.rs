@@ -244,7 +244,7 @@ fn cpu_seconds(id: u32) -> Option<f64> {
 }
 
 /// Largest resident memory of a living process \[bytes\], VmHWM in /proc/PID/status.
-fn memory_peak(id: u32) -> Option<u64> {
+pub fn memory_peak(id: u32) -> Option<u64> {
     let status = std::fs::read_to_string(format!("/proc/{id}/status")).ok()?;
     let line = status
         .lines()

@@ -18,6 +18,7 @@
 //! | `batch` | many scenes, each in a folder of its own, not run again when there |
 //! | `view` | the page of a run, served while it goes on |
 //! | `doctor` | what this machine offers |
+//! | `stdout` | what commands say, into a pipe too |
 
 pub mod batch;
 pub mod cli;
@@ -37,6 +38,7 @@ pub mod report;
 pub mod run;
 pub mod scene;
 pub mod stability;
+pub mod stdout;
 pub mod study;
 pub mod table;
 pub mod verdict;

@@ -7,7 +7,7 @@ use orchestration::cli::{CheckArgs, Cli, Command, ConformArgs, DoctorArgs, PlanA
 use orchestration::conform;
 use orchestration::error::Error;
 use orchestration::{
-    diff, doctor, plan, record, replay, report as pages, run, scene, stability, study, view,
+    diff, doctor, plan, record, replay, report as pages, run, say, scene, stability, study, view,
 };
 use serde_json::json;
 
@@ -52,13 +52,13 @@ fn report(error: &Error, wants_json: bool) {
         if let Error::Scene(problems) = error {
             document["problems"] = json!(problems.0);
         }
-        println!("{document:#}");
+        say!("{document:#}");
     }
 }
 
 fn check(args: &CheckArgs) -> Result<(), Error> {
     let Some(path) = &args.scene else {
-        println!("{:#}", scene::schema::scene_schema());
+        say!("{:#}", scene::schema::scene_schema());
         return Ok(());
     };
     let scene = scene::load(path, &args.settings, 1)?;
@@ -68,10 +68,10 @@ fn check(args: &CheckArgs) -> Result<(), Error> {
     let grains = scene.grains.len();
     if args.json {
         let document = json!({ "ok": true, "scene": scene.name, "grains": grains, "warnings": scene.warnings });
-        println!("{document:#}");
+        say!("{document:#}");
     } else {
         let plural = if grains == 1 { "" } else { "s" };
-        println!("{}: ok, {grains} grain{plural}", path.display());
+        say!("{}: ok, {grains} grain{plural}", path.display());
     }
     Ok(())
 }
@@ -87,9 +87,9 @@ fn show_plan(args: &PlanArgs) -> Result<(), Error> {
         plan::write_inputs(&scene, folder)?;
     }
     if args.json {
-        println!("{:#}", json!(plan));
+        say!("{:#}", json!(plan));
     } else {
-        print!("{plan}");
+        say!("{plan}");
     }
     Ok(())
 }
@@ -109,10 +109,10 @@ fn run_scene(args: &RunArgs) -> Result<(), Error> {
     let outcome = run::run(&scene, args.out.as_deref())?;
     let (ending, folder) = (&outcome.ending, outcome.folder.display());
     if args.json {
-        println!("{:#}", outcome.document);
+        say!("{:#}", outcome.document);
     } else {
         let steps = &outcome.document["steps"];
-        println!("{folder}: {steps} steps in {:.1} s", ending.wall);
+        say!("{folder}: {steps} steps in {:.1} s", ending.wall);
     }
     match &ending.why {
         None => Ok(()),
@@ -127,9 +127,9 @@ fn run_scene(args: &RunArgs) -> Result<(), Error> {
 fn examine(args: &DoctorArgs) -> Result<(), Error> {
     let findings = doctor::examine(args.clean)?;
     if args.json {
-        println!("{:#}", json!(findings));
+        say!("{:#}", json!(findings));
     } else {
-        print!("{findings}");
+        say!("{findings}");
     }
     Ok(())
 }
@@ -137,9 +137,9 @@ fn examine(args: &DoctorArgs) -> Result<(), Error> {
 fn conform_command(args: &ConformArgs) -> Result<(), Error> {
     let report = conform::command(args)?;
     if args.json {
-        println!("{:#}", report.document());
+        say!("{:#}", report.document());
     } else {
-        println!("{}", report.summary());
+        say!("{}", report.summary());
     }
     match report.exit_code() {
         0 => Ok(()),

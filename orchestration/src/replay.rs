@@ -21,6 +21,7 @@ use crate::error::{Error, exit_code};
 use crate::launch::{self, Process};
 use crate::progress::Progress;
 use crate::record;
+use crate::say;
 
 /// How often the engine's process is looked at.
 const TICK: Duration = Duration::from_millis(20);
@@ -56,12 +57,12 @@ pub fn command(args: &ReplayArgs) -> Result<(), Error> {
             "complete": warning.is_none(),
             "fields": fields,
         });
-        println!("{document:#}");
+        say!("{document:#}");
     } else {
         if let Some(commit) = &reader.begin().commit {
-            println!("recorded by the programs of commit {commit}");
+            say!("recorded by the programs of commit {commit}");
         }
-        print!("{}", text(&report, args.tolerance));
+        say!("{}", text(&report, args.tolerance));
     }
     if let Some(warning) = warning {
         eprintln!("sillage: warning: {}: {warning}", path.display());
@@ -83,9 +84,9 @@ fn tell(reader: &mut Reader, as_json: bool) -> Result<(), Error> {
             "complete": reader.ending().warning().is_none(),
             "summary": summary.lines().collect::<Vec<_>>(),
         });
-        println!("{document:#}");
+        say!("{document:#}");
     } else {
-        print!("{summary}");
+        say!("{summary}");
     }
     Ok(())
 }

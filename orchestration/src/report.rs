@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 use crate::cli::ReportArgs;
 use crate::error::Error;
 use crate::output::vtu;
+use crate::say;
 use crate::study::results;
 use crate::table::Table;
 use states::Reader;
@@ -37,10 +38,10 @@ pub fn command(args: &ReportArgs) -> Result<(), Error> {
     let file = written.file.display();
     if args.json {
         let document = json!({ "ok": true, "file": written.file, "bytes": written.bytes, "states": written.states });
-        println!("{document:#}");
+        say!("{document:#}");
     } else {
         let megabytes = written.bytes as f64 / 1e6;
-        println!("{file}: {} states, {megabytes:.1} MB", written.states);
+        say!("{file}: {} states, {megabytes:.1} MB", written.states);
     }
     Ok(())
 }

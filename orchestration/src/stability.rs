@@ -25,6 +25,7 @@ use crate::cli::StabilityArgs;
 use crate::error::{Error, exit_code};
 use crate::interrupt::Interrupts;
 use crate::run::Voice;
+use crate::say;
 use crate::scene::document::Document;
 use crate::scene::{self, Scene};
 use crate::table::Table;
@@ -74,11 +75,11 @@ pub fn command(args: &StabilityArgs) -> Result<(), Error> {
     results::write(folder, &document, &results)?;
     heat::write(folder, &results)?;
     if args.json {
-        println!("{document:#}");
+        say!("{document:#}");
     } else {
         let seconds = begun.elapsed().as_secs_f64();
         print!("{}", results::text(&results));
-        println!(
+        say!(
             "{} cells in {seconds:.0} s → {}",
             jobs.len(),
             folder.display()
@@ -131,13 +132,16 @@ fn list(maps: &[Map], as_json: bool) {
         })
     };
     if as_json {
-        println!("{:#}", json!(maps.iter().map(entry).collect::<Vec<_>>()));
+        say!("{:#}", json!(maps.iter().map(entry).collect::<Vec<_>>()));
         return;
     }
     for map in maps {
-        println!(
+        say!(
             "{:<19} {} × {}: {}",
-            map.name, map.across.name, map.up.name, map.title
+            map.name,
+            map.across.name,
+            map.up.name,
+            map.title
         );
     }
 }

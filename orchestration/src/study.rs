@@ -12,6 +12,7 @@ pub mod measure;
 pub mod page;
 pub mod plot;
 pub mod points;
+pub mod program;
 pub mod results;
 
 use std::path::{Path, PathBuf};
@@ -24,9 +25,11 @@ use crate::error::{Error, exit_code};
 use crate::interrupt::Interrupts;
 use crate::output::vtu;
 use crate::run::Voice;
-use crate::scene;
+use crate::say;
+use crate::scene::{self, Scene};
 use keys::StudyFile;
 use points::Point;
+use program::Program;
 use results::{Cost, Row, Sample};
 
 /// A study that was run, perhaps in part.
@@ -52,19 +55,19 @@ pub fn command(args: &StudyArgs) -> Result<(), Error> {
                 .iter()
                 .map(|(name, title)| json!({ "name": name, "title": title }))
                 .collect();
-            println!("{:#}", json!(list));
+            say!("{:#}", json!(list));
         } else {
             for (name, title) in studies {
-                println!("{name:<16} {title}");
+                say!("{name:<16} {title}");
             }
         }
         return Ok(());
     };
     let outcome = study(path, args.out.as_deref(), args.threads.get())?;
     if args.json {
-        println!("{:#}", outcome.document);
+        say!("{:#}", outcome.document);
     } else {
-        println!(
+        say!(
             "{}{}",
             outcome.table,
             outcome.folder.join("report.html").display()
@@ -170,11 +173,10 @@ pub fn study(path: &Path, out: Option<&Path>, threads: usize) -> Result<Outcome,
         None => Vec::new(),
     };
     let all: Vec<Point> = points.iter().chain(&finer).cloned().collect();
-    let scene_path = base.join(&study.scene);
     // Every point is checked before the first one runs.
-    let scenes = all
+    let jobs = all
         .iter()
-        .map(|point| scene::load(&scene_path, &point.settings, threads))
+        .map(|point| Job::new(&study, &base, point, threads))
         .collect::<Result<Vec<_>, Error>>()?;
 
     let interrupts = Interrupts::count()?;
@@ -190,7 +192,7 @@ pub fn study(path: &Path, out: Option<&Path>, threads: usize) -> Result<Outcome,
                 .join("points")
                 .join(point.folder())
                 .join(repeat.to_string());
-            let mark = batch::mark(&scenes[index], &point.settings);
+            let mark = jobs[index].mark(point);
             let done = match batch::known(&place, &mark) {
                 Some(done) => {
                     clock.skip();
@@ -203,8 +205,12 @@ pub fn study(path: &Path, out: Option<&Path>, threads: usize) -> Result<Outcome,
                 None => {
                     let what = format!("{}, repeat {repeat}", point.names.join(", "));
                     eprintln!("{}: {what}", clock.line());
-                    let done =
-                        batch::one(&scenes[index], &place, &mark, &interrupts, Voice::Aloud)?;
+                    let done = match &jobs[index] {
+                        Job::Scene(scene) => {
+                            batch::one(scene, &place, &mark, &interrupts, Voice::Aloud)?
+                        }
+                        Job::Program(program) => program.run(&place)?,
+                    };
                     let Some(done) = done else {
                         interrupted = true;
                         break 'runs;
@@ -223,6 +229,30 @@ pub fn study(path: &Path, out: Option<&Path>, threads: usize) -> Result<Outcome,
     };
     let rows = results::rows(&study, &points, samples, &truth);
     finish(&folder, &name, &study, &rows, interrupted)
+}
+
+/// What a point runs.
+enum Job {
+    Scene(Box<Scene>),
+    Program(Program),
+}
+
+impl Job {
+    fn new(study: &StudyFile, base: &Path, point: &Point, threads: usize) -> Result<Job, Error> {
+        if let Some(program) = &study.program {
+            return Program::new(program, &point.settings).map(Job::Program);
+        }
+        let path = base.join(study.scene.as_deref().unwrap_or(Path::new("")));
+        let scene = scene::load(&path, &point.settings, threads)?;
+        Ok(Job::Scene(Box::new(scene)))
+    }
+
+    fn mark(&self, point: &Point) -> Value {
+        match self {
+            Job::Scene(scene) => batch::mark(scene, &point.settings),
+            Job::Program(program) => program.mark(),
+        }
+    }
 }
 
 /// The median of the finer runs, if there is one.
@@ -265,8 +295,12 @@ fn sample(place: &Path, done: &Done, study: &StudyFile) -> Sample {
         let why = point["why"].as_str().unwrap_or("ended early");
         return Sample::Failed(format!("exit code {}: {why}", point["exit"]));
     }
-    let value = match measure::measure(&study.measure, place, document) {
-        Ok(value) => value,
+    let measures = std::iter::once(&study.measure).chain(study.also.iter().map(|a| &a.measure));
+    let values: Result<Vec<f64>, Error> = measures
+        .map(|measure| measure::measure(measure, place, document))
+        .collect();
+    let (value, also) = match values {
+        Ok(values) => (values[0], values[1..].to_vec()),
         Err(error) => return Sample::Failed(error.to_string()),
     };
     let cost = &document["cost"];
@@ -280,6 +314,7 @@ fn sample(place: &Path, done: &Done, study: &StudyFile) -> Sample {
     let cpu = table("cpu_process");
     Sample::Run {
         value,
+        also,
         cost: Cost {
             cpu_total: cpu.values().sum(),
             cpu,

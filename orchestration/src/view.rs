@@ -21,6 +21,7 @@ use crate::error::Error;
 use crate::interrupt::Interrupts;
 use crate::report::states::{Frame, Reader};
 use crate::report::{head, page};
+use crate::say;
 use crate::study::results;
 
 /// How often an interruption is looked for.
@@ -40,9 +41,9 @@ pub fn command(args: &ViewArgs) -> Result<(), Error> {
     let mut view = View::open(&args.folder, args.port)?;
     let address = view.address();
     if args.json {
-        println!("{:#}", json!({ "ok": true, "address": address }));
+        say!("{:#}", json!({ "ok": true, "address": address }));
     } else {
-        println!("{address}   (Ctrl-C ends)");
+        say!("{address}   (Ctrl-C ends)");
     }
     view.serve(&interrupts)
 }

@@ -1,4 +1,4 @@
-//! Commands of a scene: where a program is found, and what its last words are worth.
+//! Commands: where the program of an engine is found, what its last words are worth, and who reads.
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -63,4 +63,20 @@ fn what_an_engine_says_last_is_in_the_error_of_the_run() {
     assert_eq!(code, Some(4));
     let last = words.lines().last().unwrap_or_default();
     assert!(last.contains(&format!("exit code 4 ({remedy})")), "{last}");
+}
+
+#[test]
+fn a_reader_of_stdout_that_has_seen_enough_is_no_error() {
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    drop(reader);
+    let output = Command::new(env!("CARGO_BIN_EXE_sillage"))
+        .arg("plan")
+        .arg(root().join("scenes/cloud.toml"))
+        .stdout(writer)
+        .stderr(std::process::Stdio::piped())
+        .output()
+        .expect("started");
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{words}");
+    assert!(!words.contains("panicked"), "{words}");
 }

@@ -249,15 +249,15 @@ impl Watcher {
 
     /// Block until something happens, or until a loss that nobody noticed must be enforced.
     fn wait(&self, stop: &OwnedFd) -> Seen {
-        // Without a signal to heed, the second place is taken by a descriptor that is there anyway: it
-        // may become ready between the looks at the two places.
-        let heeded = process::told();
-        let told = heeded.unwrap_or(stop.as_fd());
+        // Polled only where there is one: descriptors are looked at one after another, and any
+        // other in its place could become ready in between.
+        let told = process::told();
         let mut fds = vec![
             PollFd::new(stop, PollFlags::IN),
-            PollFd::new(&told, PollFlags::IN),
             PollFd::new(&self.changes, PollFlags::IN),
         ];
+        fds.extend(told.iter().map(|told| PollFd::new(told, PollFlags::IN)));
+        let others = fds.len();
         fds.extend(
             self.known
                 .values()
@@ -269,16 +269,16 @@ impl Watcher {
             return Seen::Ended(Vec::new());
         }
         let ready: Vec<bool> = fds.iter().map(|fd| !fd.revents().is_empty()).collect();
-        if ready[0] || ready[1] && heeded.is_none() {
+        if ready[0] {
             return Seen::Stop;
         }
-        if ready[1] {
+        if told.is_some() && ready[2] {
             return Seen::Told;
         }
         let ended = self
             .known
             .keys()
-            .zip(&ready[3..])
+            .zip(&ready[others..])
             .filter(|(_, ready)| **ready);
         Seen::Ended(ended.map(|(seat, _)| seat.clone()).collect())
     }

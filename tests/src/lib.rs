@@ -14,6 +14,8 @@ use protocol::messages::Role;
 use protocol::partner::Partner;
 use protocol::recording::Recorder;
 
+pub mod arguments;
+pub mod exchange;
 pub mod grains;
 pub mod recorded;
 pub mod reference;

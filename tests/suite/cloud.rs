@@ -144,9 +144,9 @@ fn the_first_fall_velocity_of_a_creeping_cloud_converges_to_the_spectral_solutio
 #[test]
 fn a_loose_stiff_cloud_falls_the_same_whichever_response_the_fluid_is_told() {
     // λ = ½ for every grain makes the fluid's drag and its nodal products quite different from λ = 1.
-    // With the deferred correction what is converged agrees up to how the elements integrate c ∇p and
-    // stabilise with φ + c (1.4 % at R/4, 0.9 % at R/8, not the 1e-4 of a scheme without either);
-    // without it, it does not.
+    // With the deferred correction what is converged agrees up to the stabilisation, which weighs with
+    // the β and the φ + c that λ decides (1.4 % at R/4, 0.9 % at R/8; 0.1 % where it is made the same
+    // for both: docs/limits.md); without it, it does not.
     let (free, passes) = loose_cloud(4, None, true);
     let largest = free.iter().fold(0.0_f64, |max, v| max.max(v.abs()));
     println!("| response | passes a step | largest difference of a velocity |");

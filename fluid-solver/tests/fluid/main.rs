@@ -2,7 +2,6 @@
 
 mod balance;
 mod benchmarks;
-mod jet;
 mod manufactured;
 mod porous;
 mod refusals;

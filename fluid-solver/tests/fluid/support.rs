@@ -1,41 +1,9 @@
 //! Errors, random numbers, grains and tables that several tests share.
 
-use fluid_solver::element::{QUADRATURE, Triangle, interpolate};
+use fluid_solver::element::Triangle;
 use fluid_solver::mesh::Mesh;
-use fluid_solver::state::State;
 
-/// L2 errors of v = u_h/φ_h and of p without its mean.
-pub fn errors(
-    mesh: &Mesh,
-    state: &State,
-    velocity: impl Fn([f64; 2]) -> [f64; 2],
-    pressure: impl Fn([f64; 2]) -> f64,
-) -> (f64, f64) {
-    let (mut square, mut area, mut mean) = (0.0, 0.0, 0.0);
-    let mut pressure_square = 0.0;
-    for (t, nodes) in mesh.triangles.iter().enumerate() {
-        let porosity = nodes.map(|n| state.now.porosity[n]);
-        let u = [0, 1].map(|d| nodes.map(|n| state.now.superficial_velocity[n][d]));
-        let p = nodes.map(|n| state.pressure[n]);
-        for (shape, weight) in &QUADRATURE {
-            let w = weight * mesh.geometry[t].area;
-            let x = [0, 1].map(|d| (0..3).map(|k| shape[k] * mesh.corners[t][k][d]).sum());
-            let exact = velocity(x);
-            for d in 0..2 {
-                let v = interpolate(shape, &u[d]) / interpolate(shape, &porosity);
-                square += w * (v - exact[d]).powi(2);
-            }
-            let difference = interpolate(shape, &p) - pressure(x);
-            area += w;
-            mean += w * difference;
-            pressure_square += w * difference * difference;
-        }
-    }
-    (
-        square.sqrt(),
-        (pressure_square - mean * mean / area).max(0.0).sqrt(),
-    )
-}
+pub use fluid_solver::manufactured::{at_nodes, errors};
 
 /// Kinetic energy per density, ½∫φ|v|², by nodal mass.
 pub fn nodal_energy(mesh: &Mesh, velocity: &[[f64; 2]]) -> f64 {
@@ -57,11 +25,6 @@ pub fn largest_difference(a: &[[f64; 2]], b: impl Fn(usize) -> [f64; 2]) -> f64 
         .enumerate()
         .flat_map(|(n, v)| [0, 1].map(|d| (v[d] - b(n)[d]).abs()));
     pairs.fold(0.0, f64::max)
-}
-
-/// Values at the nodes.
-pub fn at_nodes<T>(mesh: &Mesh, value: impl Fn([f64; 2]) -> T) -> Vec<T> {
-    mesh.position.iter().map(|x| value(*x)).collect()
 }
 
 /// A small deterministic generator of uniform numbers (SplitMix64, Steele et al. 2014).

@@ -13,8 +13,10 @@ use crate::error::Error;
 pub struct StudyFile {
     /// What the study shows, in a line.
     pub title: String,
-    /// Scene file, relative to the study.
-    pub scene: PathBuf,
+    /// Scene file, relative to the study …
+    pub scene: Option<PathBuf>,
+    /// … or a program beside `sillage` that prints one JSON object; settings are its arguments.
+    pub program: Option<String>,
     /// Settings of all points, KEY=VALUE as for `--set`.
     #[serde(default)]
     pub set: Vec<String>,
@@ -23,8 +25,11 @@ pub struct StudyFile {
     pub repeats: usize,
     /// What is varied; observed orders are taken along the first.
     pub axis: Vec<Axis>,
-    /// What is measured.
+    /// What is measured: the first is plotted, all stand in the tables.
     pub measure: Measure,
+    /// What else is measured.
+    #[serde(default)]
+    pub also: Vec<Also>,
     /// What is true; without it values are shown and no errors.
     pub reference: Option<Reference>,
 }
@@ -74,8 +79,11 @@ pub struct Measure {
     pub mean: Option<[f64; 2]>,
     /// … its slope between two times (s), …
     pub slope: Option<[f64; 2]>,
-    /// … its largest value between two times (s); none of these: the value of the last step.
+    /// … its largest value between two times (s), …
     pub largest: Option<[f64; 2]>,
+    /// … how far it rises above an earlier value between two times (s); none of these: the value of
+    /// the last step.
+    pub rise: Option<[f64; 2]>,
     /// Or a number of run.json, e.g. "/cost/wall_exchange" …
     pub json: Option<String>,
     /// … over another one, e.g. "/cost/passes".
@@ -86,6 +94,16 @@ pub struct Measure {
     /// Then this is added.
     #[serde(default)]
     pub offset: f64,
+}
+
+/// Another number taken from a run.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Also {
+    /// The number.
+    pub measure: Measure,
+    /// What it would be without error; without it the value stands in the tables, not its error.
+    pub reference: Option<f64>,
 }
 
 /// What the measure would be without error.
@@ -132,6 +150,9 @@ pub fn read(path: &Path) -> Result<StudyFile, Error> {
 }
 
 fn check(study: &StudyFile) -> Result<(), String> {
+    if study.scene.is_some() == study.program.is_some() {
+        return Err("needs either scene or program".into());
+    }
     if study.axis.is_empty() {
         return Err("no [[axis]]: a study varies something".into());
     }
@@ -155,6 +176,14 @@ fn check(study: &StudyFile) -> Result<(), String> {
             }
         }
     }
+    for measure in study.also.iter().map(|also| &also.measure) {
+        check_measure(measure)?;
+    }
+    check_measure(&study.measure)?;
+    check_reference(study.reference.as_ref())
+}
+
+fn check_measure(measure: &Measure) -> Result<(), String> {
     let Measure {
         column,
         json,
@@ -162,9 +191,10 @@ fn check(study: &StudyFile) -> Result<(), String> {
         mean,
         slope,
         largest,
+        rise,
         per,
         ..
-    } = &study.measure;
+    } = measure;
     if column.is_some() == json.is_some() {
         return Err("measure: needs either column (of steps.csv) or json (of run.json)".into());
     }
@@ -173,20 +203,25 @@ fn check(study: &StudyFile) -> Result<(), String> {
         mean.is_some(),
         slope.is_some(),
         largest.is_some(),
+        rise.is_some(),
     ];
     let ways = ways.iter().filter(|&&way| way).count();
     if ways > 1 || (ways == 1 && json.is_some()) || (per.is_some() && json.is_none()) {
         return Err(
-            "measure: column takes at most one of time, mean, slope and largest; json takes per"
+            "measure: column takes at most one of time, mean, slope, largest and rise; json takes per"
                 .into(),
         );
     }
-    for window in [mean, slope, largest].into_iter().flatten() {
+    for window in [mean, slope, largest, rise].into_iter().flatten() {
         if window[0].partial_cmp(&window[1]) != Some(std::cmp::Ordering::Less) {
             return Err(format!("measure: {window:?} must be [from, to] in s"));
         }
     }
-    if let Some(reference) = &study.reference {
+    Ok(())
+}
+
+fn check_reference(reference: Option<&Reference>) -> Result<(), String> {
+    if let Some(reference) = reference {
         let ways = [
             reference.value.is_some(),
             reference.file.is_some(),

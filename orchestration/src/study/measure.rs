@@ -70,6 +70,14 @@ fn from_steps(measure: &Measure, column: &str, table: &Table) -> Result<f64, Str
     if let Some(window) = measure.largest {
         return Ok(within(window)?.iter().map(|p| p.1).fold(f64::MIN, f64::max));
     }
+    if let Some(window) = measure.rise {
+        let (mut lowest, mut rise) = (f64::INFINITY, 0.0_f64);
+        for (_, value) in within(window)? {
+            rise = rise.max(value - lowest);
+            lowest = lowest.min(value);
+        }
+        return Ok(rise);
+    }
     if let Some(window) = measure.slope {
         return straight(&within(window)?)
             .ok_or_else(|| format!("fewer than two steps in {window:?} s"));

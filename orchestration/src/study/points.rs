@@ -30,7 +30,10 @@ pub fn points(study: &StudyFile) -> Vec<Point> {
                 })
                 .collect();
             // What is set by the study comes first: points may change it.
-            let mut settings = vec!["output.frames=false".to_string()];
+            let mut settings: Vec<String> = match study.program {
+                Some(_) => Vec::new(),
+                None => vec!["output.frames=false".into()],
+            };
             settings.extend(study.set.iter().cloned());
             settings.extend(chosen.iter().flat_map(|point| point.set.iter().cloned()));
             Point {

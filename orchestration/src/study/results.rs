@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::analysis;
-use super::keys::StudyFile;
+use super::keys::{Measure, StudyFile};
 use super::points::Point;
 use crate::error::Error;
 use crate::output::vtu;
@@ -23,6 +23,8 @@ pub enum Sample {
     Run {
         /// The measure.
         value: f64,
+        /// What else was measured.
+        also: Vec<f64>,
         /// What it cost.
         cost: Cost,
     },
@@ -62,6 +64,10 @@ pub struct Row {
     pub reference: Option<f64>,
     /// Relative error.
     pub error: Option<f64>,
+    /// What else was measured, in the order of the study: medians …
+    pub also: Vec<f64>,
+    /// … and their errors, where a reference is known.
+    pub also_errors: Vec<Option<f64>>,
     /// Observed order from the point before it on the first axis.
     pub order: Option<f64>,
     /// Is no other point both cheaper and better?
@@ -87,7 +93,7 @@ pub fn rows(
         .enumerate()
         .map(|(index, (point, samples))| {
             let series = index / study.axis[0].points.len();
-            row(point, samples, truth.get(series).copied().flatten())
+            row(study, point, samples, truth.get(series).copied().flatten())
         })
         .collect();
     // Points of the first axis follow each other, once for each choice on the others.
@@ -113,11 +119,11 @@ pub fn rows(
     rows
 }
 
-fn row(point: &Point, samples: &[Sample], truth: Option<f64>) -> Row {
+fn row(study: &StudyFile, point: &Point, samples: &[Sample], truth: Option<f64>) -> Row {
     let runs: Vec<(&f64, &Cost)> = samples
         .iter()
         .filter_map(|sample| match sample {
-            Sample::Run { value, cost } => Some((value, cost)),
+            Sample::Run { value, cost, .. } => Some((value, cost)),
             Sample::Failed(_) => None,
         })
         .collect();
@@ -144,6 +150,22 @@ fn row(point: &Point, samples: &[Sample], truth: Option<f64>) -> Row {
     };
     let value = analysis::median(&runs.iter().map(|(value, _)| **value).collect::<Vec<_>>());
     let reference = point.reference.or(truth);
+    let also_of = |index: usize| -> Vec<f64> {
+        let all = samples.iter();
+        all.filter_map(|sample| match sample {
+            Sample::Run { also, .. } => also.get(index).copied(),
+            Sample::Failed(_) => None,
+        })
+        .collect()
+    };
+    let also: Vec<f64> = (0..study.also.len())
+        .map(|index| analysis::median(&also_of(index)))
+        .collect();
+    let also_errors = also
+        .iter()
+        .zip(&study.also)
+        .map(|(value, also)| Some(analysis::error(*value, also.reference?)))
+        .collect();
     Row {
         names: point.names.clone(),
         size: point.size,
@@ -152,6 +174,8 @@ fn row(point: &Point, samples: &[Sample], truth: Option<f64>) -> Row {
         error: reference
             .map(|truth| analysis::error(value, truth))
             .filter(|error| error.is_finite()),
+        also,
+        also_errors,
         order: None,
         front: false,
         cost: Cost {
@@ -187,6 +211,9 @@ pub fn document(name: &str, study: &StudyFile, rows: &[Row], complete: bool) -> 
         "complete": complete,
         "axes": study.axis.iter().map(|axis| &axis.name).collect::<Vec<_>>(),
         "measure": { "name": study.measure.name, "unit": study.measure.unit },
+        "also": study.also.iter().map(|also| {
+            json!({ "name": also.measure.name, "unit": also.measure.unit, "reference": also.reference })
+        }).collect::<Vec<_>>(),
         "reference": study.reference.as_ref().map(|reference| &reference.source),
         "repeats": study.repeats,
         "points": rows,
@@ -204,6 +231,7 @@ fn csv(study: &StudyFile, rows: &[Row]) -> String {
          memory_fluid,memory_particles,memory_coupler,steps,passes,load,runs,failed"
             .into(),
     );
+    text.extend(study.also.iter().map(|also| quoted(&also.measure.name)));
     let mut text = text.join(",") + "\n";
     for row in rows {
         let cost = &row.cost;
@@ -224,6 +252,7 @@ fn csv(study: &StudyFile, rows: &[Row]) -> String {
         cells.extend([known(cost.steps), known(cost.passes), known(cost.load)]);
         cells.push(row.runs.to_string());
         cells.push(row.failed.as_deref().map_or(String::new(), quoted));
+        cells.extend(row.also.iter().map(|value| known(*value)));
         text += &(cells.join(",") + "\n");
     }
     text
@@ -232,15 +261,15 @@ fn csv(study: &StudyFile, rows: &[Row]) -> String {
 /// Heads and cells of the table that people read.
 pub fn cells(study: &StudyFile, rows: &[Row]) -> (Vec<String>, Vec<Vec<String>>) {
     let mut heads: Vec<String> = study.axis.iter().map(|axis| axis.name.clone()).collect();
-    let measure = &study.measure;
-    heads.push(match measure.unit.as_str() {
+    let head = |measure: &Measure| match measure.unit.as_str() {
         "" => measure.name.clone(),
         unit => format!("{} [{unit}]", measure.name),
-    });
+    };
+    heads.push(head(&study.measure));
+    heads.extend(["error", "order"].map(String::from));
+    heads.extend(study.also.iter().map(|also| head(&also.measure)));
     heads.extend(
         [
-            "error",
-            "order",
             "CPU [s]",
             "wall [s]",
             "memory",
@@ -273,6 +302,7 @@ pub fn cells(study: &StudyFile, rows: &[Row]) -> (Vec<String>, Vec<Vec<String>>)
             cells.push(digits(row.value));
             cells.push(row.error.map_or_else(dash, |error| format!("{error:.2e}")));
             cells.push(row.order.map_or_else(dash, |order| format!("{order:.2}")));
+            cells.extend(row.also.iter().map(|value| digits(*value)));
             cells.push(format!("{:.2}", cost.cpu_total));
             cells.push(format!("{:.2}", cost.wall));
             cells.push(format!("{:.0} MB", memory / 1e6));
