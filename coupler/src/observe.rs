@@ -88,7 +88,10 @@ fn add_grains(row: &mut Row, coupling: &Coupling, report: &StepReport) {
     // the middle of the last path belongs to the time of the row, to second order.
     let path = mean(&axis(&grains.mean_velocity, 1));
     row.add("centre_y_mid", mean(&y) - 0.5 * report.dt * path);
-    row.add("fall_speed", -mean(&axis(&grains.velocity, 1)));
+    let mut rise = axis(&grains.velocity, 1);
+    row.add("fall_speed", -mean(&rise));
+    rise.sort_by(f64::total_cmp);
+    row.add("fall_speed_median", -quantile(&rise, 0.5));
     for (name, value) in mechanics(coupling) {
         row.add(name, value);
     }

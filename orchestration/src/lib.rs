@@ -14,6 +14,8 @@
 //! | `record`, `replay`, `diff` | recordings: made, fed to an engine, compared |
 //! | `report`, `table` | one HTML page of a run, from what its folder holds |
 //! | `study` | error against run time: many runs, one table |
+//! | `stability` | where each scheme is stable: maps of small scenes with closed forms |
+//! | `batch` | many scenes, each in a folder of its own, not run again when there |
 //! | `view` | the page of a run, served while it goes on |
 //! | `doctor` | what this machine offers |
 //! | `stdout` | what commands say, into a pipe too |

@@ -248,10 +248,17 @@ fn settings(map: &Map, scheme: usize) -> Vec<String> {
     let mut settings = vec![
         "output.frames=false".to_string(),
         "output.fields=[]".to_string(),
-        format!("limits.step={:e}", verdict::SECONDS),
+        format!(
+            "limits.step={:e}",
+            verdict::seconds(SCHEMES[scheme].0 == DEFAULT)
+        ),
     ];
     if map.coupled {
         settings.push(format!("coupling.scheme={}", SCHEMES[scheme].1));
+        if SCHEMES[scheme].0 != DEFAULT {
+            // What the default asks of contacts for its own tolerance: only schemes are compared.
+            settings.push("contact.tolerance=1e-6".to_string());
+        }
     }
     settings
 }

@@ -12,3 +12,4 @@ mod recordings;
 mod reports;
 mod scene_errors;
 mod scenes_folder;
+mod stability;

@@ -43,7 +43,8 @@ pub struct StudyArgs {
      wrong limit; or `check` refuses the scene and says why. The default must not fail: exit code 1.\n\n\
      Written: stability.json, stability.csv (passes, sub-steps and error of every cell), and for each pair\n\
      of axes heat/NAME.svg and .png. Each cell is a run folder OUT/cells/MAP/X_Y/SCHEME; those that are\n\
-     there are not run again, so Ctrl-C loses only what is in progress.\n\n\
+     there are not run again, so Ctrl-C loses only what is in progress. Remove OUT when the programs have\n\
+     changed.\n\n\
      Examples:\n  sillage stability --list\n  sillage stability --quick\n  \
      sillage stability --axes stiffness-porosity --axes step-pair --out runs/stability\n\n{EXIT_CODES}"
 ))]
@@ -51,7 +52,7 @@ pub struct StabilityArgs {
     /// Only this pair of axes (repeatable); --list names them
     #[arg(long, value_name = "NAME")]
     pub axes: Vec<String>,
-    /// A few points of every axis, both ends among them: less than 3 minutes on two cores
+    /// A few points of every axis, the cheap ends among them: less than 3 minutes on two cores
     #[arg(long)]
     pub quick: bool,
     /// Name the pairs of axes, and what is run at their points

@@ -25,7 +25,7 @@ const RIGHT: i32 = 24;
 const INK: RGBColor = RGBColor(33, 37, 41);
 const GREY: RGBColor = RGBColor(134, 142, 150);
 /// Nothing was run here.
-const EMPTY: RGBColor = RGBColor(246, 247, 248);
+const EMPTY: RGBColor = RGBColor(250, 250, 250);
 
 /// Write `heat/MAP.svg` and `heat/MAP.png` of every map.
 pub fn write(folder: &Path, results: &[MapResult]) -> Result<(), Error> {
@@ -79,7 +79,7 @@ fn size(map: &MapResult) -> (u32, u32) {
     let (width, height) = panel(map);
     let panels = map.schemes().len() as i32;
     let wide = left(map) + panels * width + (panels - 1) * GAP + RIGHT;
-    (wide.max(760) as u32, (TOP + height + BOTTOM) as u32)
+    (wide.max(980) as u32, (TOP + height + BOTTOM) as u32)
 }
 
 /// How far a text is anchored to its point.
@@ -118,7 +118,7 @@ fn look(cell: &Cell) -> (RGBColor, String, RGBColor) {
     }
 }
 
-/// From almost white at an error of 1e-6 to a light green at 0.1.
+/// From a very pale green at an error of 1e-6 to a light green at 0.1.
 fn shade(error: f64) -> RGBColor {
     let share = ((error.max(1e-12).log10() + 6.0) / 5.0).clamp(0.0, 1.0);
     let between = |pale: f64, deep: f64| (pale + share * (deep - pale)).round() as u8;
@@ -160,7 +160,7 @@ fn draw<B: DrawingBackend>(root: &DrawingArea<B, Shift>, map: &MapResult) -> Res
         } else {
             scheme.into()
         };
-        let head = format!("{name}: {stable} of {} stable", map.of(scheme).count());
+        let head = format!("{name}: {stable}/{} stable", map.of(scheme).count());
         write(
             &head,
             (x + width / 2, TOP - 14),
@@ -243,6 +243,7 @@ fn legend<B: DrawingBackend>(root: &DrawingArea<B, Shift>, y: i32) -> Result<(),
         Verdict::NotConverged,
         Verdict::BudgetBroken,
         Verdict::WrongLimit,
+        Verdict::TimeLimit,
         Verdict::Refused,
     ];
     let mut x = 16;

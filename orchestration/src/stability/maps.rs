@@ -177,7 +177,7 @@ pub fn all() -> Vec<Map> {
         },
         Map {
             name: "courant-peclet",
-            title: "grains at random that move with the fluid, periodic; limit: they go on",
+            title: "a lattice that moves with the fluid, periodic; limit: it goes on",
             across: Axis::new(
                 "CFL number v Δt/h",
                 &[1e-2, 0.1, 0.5, 1.0, 2.0, 10.0, 1e2],
@@ -197,8 +197,8 @@ pub fn all() -> Vec<Map> {
             across: stiffness(),
             up: Axis::new(
                 "stack height [grains]",
-                &[4.0, 16.0, 64.0, 256.0, 1024.0],
-                &[0, 2, 3],
+                &[4.0, 16.0, 64.0, 256.0],
+                &[0, 1, 2],
             ),
             coupled: true,
             case: |stiffness, layers| scenes::held(layers, stiffness),
@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn quick_takes_both_ends_of_what_is_cheap() {
+    fn quick_begins_at_the_lower_end() {
         for map in all() {
             for axis in [&map.across, &map.up] {
                 assert_eq!(axis.quick[0], 0, "{}: {}", map.name, axis.name);

@@ -8,7 +8,7 @@
 //! | not converged | C | passes, contacts or the fluid's solve, also in steps of a 64th |
 //! | budget broken | B | volume or third law above [`BALANCE`] |
 //! | wrong limit | W | the last step is further from the closed form than the scene allows |
-//! | time limit | T | an engine took longer than [`SECONDS`] for a step |
+//! | time limit | T | an engine took longer than [`seconds`] for a step |
 //! | engine failed | E | anything else |
 //! | refused | R | `check` refuses the scene, with the reason |
 
@@ -23,8 +23,15 @@ use crate::table::Table;
 pub const GROWTH: f64 = 3.0;
 /// Largest relative defect of volume and of the third law.
 pub const BALANCE: f64 = 1e-6;
+/// Longest answer of an engine under the default scheme \[s\]: slow is not unstable.
+pub const SECONDS: f64 = 600.0;
+/// The same under the others, which may throw grains together that take long to sort.
+const SECONDS_OF_OTHERS: f64 = 30.0;
+
 /// Longest answer of an engine \[s\].
-pub const SECONDS: f64 = 60.0;
+pub fn seconds(default: bool) -> f64 {
+    if default { SECONDS } else { SECONDS_OF_OTHERS }
+}
 
 /// How a cell came out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
