@@ -27,6 +27,15 @@ test-python:
     engines/.venv/bin/python -m pytest engine-kit/python/tests
     engines/.venv/bin/python -m pytest engines/tests
 
-# Renew the tables and plots of all studies (an hour; runs that are there are kept).
+# Renew the tables and plots of all studies, and the pictures of the README that come from them (an
+# hour; runs that are there are kept).
 studies:
     for study in studies/*.toml; do ./sillage study "$study" || exit 1; done
+    just study-pictures
+
+# The pictures of the README, from the studies that were run.
+study-pictures:
+    cp runs/study-cloud-velocity/convergence.png docs/pictures/study-cloud-velocity.png
+    cp runs/study-cloud-ga10-time/convergence.png docs/pictures/study-cloud-ga10-time.png
+    cp runs/study-contact/cost.png docs/pictures/study-contact.png
+    cp runs/study-exchange/convergence.png docs/pictures/study-exchange.png

@@ -4,6 +4,7 @@ use protocol::engine::{InitialGrains, MeshDescription};
 use protocol::field::Field;
 use protocol::messages::{Advance, Capability, Diagnostic, Hello};
 use protocol::partner::Partner;
+use protocol::process;
 
 use crate::error::CouplerError;
 use crate::response::{FluidState, NodalResponse};
@@ -100,6 +101,9 @@ impl FluidSeat {
         if !self.takes_affine_response() {
             inputs.truncate(4);
         }
+        if process::may_leave_out() {
+            inputs.retain(|(field, values)| says_something(*field, values));
+        }
         let mut state = FluidState::default();
         let mut outputs = [
             (Field::InterstitialVelocity, &mut state.velocity),
@@ -113,6 +117,16 @@ impl FluidSeat {
         self.wall += begin.elapsed().as_secs_f64();
         Ok(state)
     }
+}
+
+/// Where nothing can be entrained, as in a bed of fixed grains, these fields are zero everywhere: what
+/// an engine takes for a field that does not come (protocol, §3).
+fn says_something(field: Field, values: &[f64]) -> bool {
+    let zero_when_absent = matches!(
+        field,
+        Field::SolidFlux | Field::EntrainedFraction | Field::SolidMobility
+    );
+    !zero_when_absent || values.iter().any(|&value| value != 0.0)
 }
 
 /// A candidate of the particle engine. Vectors are interleaved.

@@ -358,9 +358,10 @@ fn fields(scene: &Scene) -> Option<Choice> {
     scene.coupler.fluid.as_ref()?;
     Some(plain(
         "fields",
-        "all of them with every pass",
-        "the pressure is read by states that are put out alone, but version 1 of the protocol has no \
-         way to ask for it only then",
+        "all that say something, with every pass",
+        "solid flux, entrained fraction and mobility stay away while they are zero everywhere, as in a \
+         bed of fixed grains; the pressure always comes, because version 1 of the protocol has no way \
+         to ask for it only when a state is put out",
     ))
 }
 
