@@ -69,6 +69,19 @@ pub fn write_point(
     Ok(point)
 }
 
+/// End the command as its runs ended: its document is on stdout already, `main` adds none.
+pub fn leave(interrupted: bool, failure: Option<(i32, String)>) {
+    let kept = "interrupted: what was run is kept".to_string();
+    let early = match interrupted {
+        true => Some((exit_code::INTERRUPTED, kept)),
+        false => failure,
+    };
+    if let Some((code, why)) = early {
+        eprintln!("sillage: {why}");
+        std::process::exit(code);
+    }
+}
+
 /// Runnable processes, mean of the last minute.
 fn load() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/loadavg").ok()?;

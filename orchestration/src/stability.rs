@@ -78,30 +78,19 @@ pub fn command(args: &StabilityArgs) -> Result<(), Error> {
         say!("{document:#}");
     } else {
         let seconds = begun.elapsed().as_secs_f64();
-        print!("{}", results::text(&results));
+        say!("{}", results::text(&results));
         say!(
             "{} cells in {seconds:.0} s → {}",
             jobs.len(),
             folder.display()
         );
     }
-    // The document is on stdout already; main adds none.
     let failed = results::failed(&results);
-    let early = if interrupted {
-        Some((
-            exit_code::INTERRUPTED,
-            "interrupted: what was run is kept".to_string(),
-        ))
-    } else if failed > 0 {
+    let failure = (failed > 0).then(|| {
         let why = format!("the default scheme fails in {failed} cells; the table says how");
-        Some((exit_code::DIFFERENT, why))
-    } else {
-        None
-    };
-    if let Some((code, why)) = early {
-        eprintln!("sillage: {why}");
-        std::process::exit(code);
-    }
+        (exit_code::DIFFERENT, why)
+    });
+    batch::leave(interrupted, failure);
     Ok(())
 }
 

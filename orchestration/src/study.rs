@@ -73,25 +73,12 @@ pub fn command(args: &StudyArgs) -> Result<(), Error> {
             outcome.folder.join("report.html").display()
         );
     }
-    // The document is on stdout already; main adds none.
-    let early = if outcome.interrupted {
-        Some((
-            exit_code::INTERRUPTED,
-            "interrupted: what was run is kept".into(),
-        ))
-    } else if outcome.failed > 0 {
-        let why = format!(
-            "the runs of {} points failed; the table says why",
-            outcome.failed
-        );
-        Some((exit_code::ENGINE, why))
-    } else {
-        None
-    };
-    if let Some((code, why)) = early {
-        eprintln!("sillage: {why}");
-        std::process::exit(code);
-    }
+    let failure = (outcome.failed > 0).then(|| {
+        let failed = outcome.failed;
+        let why = format!("the runs of {failed} points failed; the table says why");
+        (exit_code::ENGINE, why)
+    });
+    batch::leave(outcome.interrupted, failure);
     Ok(())
 }
 

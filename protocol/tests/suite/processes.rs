@@ -1,6 +1,7 @@
 //! Real processes: the test program starts itself again in another role.
 
 use std::io::{BufRead, BufReader};
+use std::os::unix::process::CommandExt;
 use std::os::unix::process::ExitStatusExt;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -71,7 +72,18 @@ fn orchestrator() -> i32 {
 }
 
 fn start(role: &str, environment: &[(String, String)], fault: &str) -> Child {
-    Command::new(std::env::current_exe().unwrap())
+    let mut command = Command::new(std::env::current_exe().unwrap());
+    // What started the tests may ignore signals (nohup, a shell's `&`), and children inherit that.
+    // SAFETY: signal is async-signal-safe.
+    unsafe {
+        command.pre_exec(|| {
+            for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP] {
+                libc::signal(signal, libc::SIG_DFL);
+            }
+            Ok(())
+        });
+    }
+    command
         .args([
             "--exact",
             "processes::child",
