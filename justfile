@@ -30,7 +30,7 @@ test-python:
 # Renew the tables and plots of all studies, and the pictures of the README that come from them (an
 # hour; runs that are there are kept).
 studies:
-    for study in studies/*.toml; do ./sillage study "$study" || exit 1; done
+    for study in studies/*.toml; do ./sillage study "$study" || echo "$study: not every point ran"; done
     just study-pictures
 
 # The pictures of the README, from the studies that were run.
