@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs every check, the long ones too (about 40 minutes on two cores), and writes what they printed
+# Runs every check, the long ones too (about 15 minutes on two cores), and writes what they printed
 # to docs/verification.md, with the commit and the machine. Fails when a check fails.
 #
 #     tests/verification.sh [--fast]      --fast leaves out the long ones
@@ -27,8 +27,13 @@ done
     echo "* Machine: $(nproc) cores, $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(rustc --version)"
     echo "* Processes, signals, shared memory and files have tests without tables: \`cargo test --release\`."
     awk '
-        function close_table() { if (in_table) print ""; in_table = 0 }
-        /^package / { print ""; print "## " $2; package = $2; next }
+        # Tables stay tables; other lines keep their columns.
+        function close_table() {
+            if (in_table) print ""
+            if (in_text) print "```\n"
+            in_table = in_text = 0
+        }
+        /^package / { close_table(); print ""; print "## " $2; package = $2; next }
         /^test .* \.\.\. / {
             name = $2; sub(/^.*::/, "", name); gsub(/_/, " ", name)
             result = $0; sub(/^test .* \.\.\. /, "", result)
@@ -47,14 +52,20 @@ done
         pending != "" {
             if (!printed_any) {
                 print ""; print "### " toupper(substr(pending,1,1)) substr(pending,2); print ""
-                printed_any = 1; in_table = 0
+                printed_any = 1
             }
             if (/^\|/) {
+                if (in_text) close_table()
                 print
                 if (!in_table) {
                     row = $0; gsub(/[^|]+/, " --- ", row); print row; in_table = 1
                 }
-            } else { close_table(); print; print "" }
+            } else {
+                if (in_table) close_table()
+                if (!in_text) print "```text"
+                in_text = 1
+                print
+            }
         }
     ' "$printed"
 } | cat -s >docs/verification.md
