@@ -9,7 +9,7 @@ use std::any::Any;
 use std::collections::BTreeMap;
 use std::os::fd::{BorrowedFd, RawFd};
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
@@ -38,6 +38,8 @@ use crate::services::{
 
 /// Wake-ups are looked at this often even when none arrives; only a lost one would need it.
 const TICK: Duration = Duration::from_secs(1);
+/// How long to look for an answer before sleeping; the waking of a sleeping core takes about as long.
+const AWAKE: Duration = Duration::from_micros(50);
 
 /// A flavour of iceoryx2 whose listeners can be polled together with other descriptors.
 pub(crate) trait Backend: Service + 'static {
@@ -143,7 +145,9 @@ impl<S: Backend> Link<S> {
         Ok(link)
     }
 
-    /// Look with `take` until it finds something; block in between.
+    /// Look with `take` until it finds something; block in between, after a short while of looking
+    /// only: an answer that comes at once is then not waited for by a sleeping core, whose waking takes
+    /// as long as the exchange. Whoever else wants the core gets it at every look.
     fn wait_for<T>(
         &mut self,
         wait: Wait<'_>,
@@ -151,6 +155,13 @@ impl<S: Backend> Link<S> {
     ) -> Result<T, Error> {
         if let Some(found) = take(self)? {
             return Ok(found);
+        }
+        let begun = Instant::now();
+        while begun.elapsed() < AWAKE {
+            std::thread::yield_now();
+            if let Some(found) = take(self)? {
+                return Ok(found);
+            }
         }
         self.board.begin_wait(wait.step, wait.awaited);
         let found = loop {
