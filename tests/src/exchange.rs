@@ -81,7 +81,7 @@ impl ParticleEngine for Doubler {
 pub struct Steps {
     link: Partner,
     /// The process at the other end, if it is one; and its run.
-    process: Option<(Child, RunSpace)>,
+    process: Option<(Other, RunSpace)>,
     force: Vec<f64>,
     answers: [Vec<f64>; 4],
     request: Advance,
@@ -103,7 +103,7 @@ impl Steps {
 
     fn with(
         mut link: Partner,
-        process: Option<(Child, RunSpace)>,
+        process: Option<(Other, RunSpace)>,
         numbers: usize,
     ) -> Result<Steps, Error> {
         let grains = numbers / 2;
@@ -165,8 +165,7 @@ impl Steps {
     pub fn finish(mut self) -> Result<(), Error> {
         self.link.finish()?;
         if let Some((child, _)) = &mut self.process {
-            // It was told to leave; that it is ours to wait for is all that matters.
-            let _ = child.wait();
+            child.wait();
         }
         Ok(())
     }
@@ -176,7 +175,7 @@ impl Steps {
 /// alone, without the meaning of a step.
 pub struct Fields {
     link: Box<dyn Channel>,
-    process: (Child, RunSpace),
+    process: (Other, RunSpace),
     force: Vec<f64>,
 }
 
@@ -215,7 +214,7 @@ impl Fields {
     pub fn finish(mut self) -> Result<(), Error> {
         self.link
             .send_message(FieldHeader::message(1, 0, 1), &[1])?;
-        let _ = self.process.0.wait();
+        self.process.0.wait();
         Ok(())
     }
 }
@@ -260,7 +259,7 @@ fn serve_fields(link: &mut dyn Channel) -> Result<(), Error> {
 /// A Unix socket to another process that carries the same bytes.
 pub struct Socket {
     stream: UnixStream,
-    child: Child,
+    child: Other,
     force: Vec<f64>,
     answer: Vec<f64>,
 }
@@ -294,7 +293,8 @@ impl Socket {
     /// Let the partner go.
     pub fn finish(mut self) -> std::io::Result<()> {
         drop(self.stream);
-        self.child.wait().map(|_| ())
+        self.child.wait();
+        Ok(())
     }
 }
 
@@ -322,13 +322,31 @@ fn bytes_mut(values: &mut [f64]) -> &mut [u8] {
     unsafe { std::slice::from_raw_parts_mut(values.as_mut_ptr().cast(), size_of_val(values)) }
 }
 
-fn start(role: &str, environment: &[(String, String)]) -> Child {
+/// The process at the other end: this program again. Gone, at the latest, with this.
+struct Other(Child);
+
+impl Other {
+    /// Wait for its end, after it was told to leave.
+    fn wait(&mut self) {
+        // It is ours to wait for: nothing can be wrong but that it is gone already.
+        let _ = self.0.wait();
+    }
+}
+
+impl Drop for Other {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        self.wait();
+    }
+}
+
+fn start(role: &str, environment: &[(String, String)]) -> Other {
     let command = std::env::current_exe().expect("this program");
-    Command::new(command)
+    let child = Command::new(command)
         .envs(environment.iter().cloned())
         .env(ROLE, role)
-        .spawn()
-        .expect("started again")
+        .spawn();
+    Other(child.expect("started again"))
 }
 
 /// First thing in `main`: a child of this program is the partner, and never comes back from here.
