@@ -19,7 +19,7 @@ pub fn line(text: Arguments<'_>) {
     }
 }
 
-/// [`line`], written as `println!` is.
+/// [`line()`], written as `println!` is.
 #[macro_export]
 macro_rules! say {
     ($($text:tt)*) => { $crate::stdout::line(format_args!($($text)*)) };
