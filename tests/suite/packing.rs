@@ -129,11 +129,11 @@ fn carried_by_fluid(coupling: &Coupling, gravity: f64) -> f64 {
 
 #[test]
 fn a_random_packing_takes_a_flow_switched_on_below_and_above_fluidisation() {
-    println!(
-        "| friction | U/U_mf | a | passes per step | carried by the fluid | mean rise/U_mf | momentum defect |"
-    );
     for friction in [0.0, 0.3] {
         let grains = packing(friction);
+        println!(
+            "| friction | U/U_mf | a | passes per step | carried by the fluid | mean rise/U_mf | momentum defect |"
+        );
         // the flow whose pressure drop on the frozen packing is its weight, per unit of gravity
         let probe = 1e-6;
         let mut still = couple(
