@@ -11,7 +11,7 @@
 
 use std::collections::BTreeMap;
 
-use protocol::configure::{ParticleScene, Wall};
+use protocol::configure::ParticleScene;
 
 use crate::coupling::GrainState;
 
@@ -48,7 +48,7 @@ pub fn may_touch(grains: &GrainState, scene: &ParticleScene, dt: f64) -> Vec<boo
         may[i] |= scene
             .walls
             .iter()
-            .any(|wall| distance(wall, position) <= to_wall);
+            .any(|wall| wall.distance(position) <= to_wall);
     }
     may
 }
@@ -114,17 +114,10 @@ impl<'a> Grid<'a> {
     }
 }
 
-fn distance(wall: &Wall, [x, y]: [f64; 2]) -> f64 {
-    let ([ax, ay], [bx, by]) = (wall.a, wall.b);
-    let (tx, ty) = (bx - ax, by - ay);
-    let along = ((x - ax) * tx + (y - ay) * ty) / (tx * tx + ty * ty);
-    let along = along.clamp(0.0, 1.0);
-    (x - ax - along * tx).hypot(y - ay - along * ty)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use protocol::configure::Wall;
 
     fn scene(walls: Vec<Wall>, period: [Option<f64>; 2]) -> ParticleScene {
         ParticleScene {

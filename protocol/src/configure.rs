@@ -177,6 +177,17 @@ pub struct Wall {
     pub b: [f64; 2],
 }
 
+impl Wall {
+    /// From a point to the nearest point of the segment \[m\].
+    pub fn distance(&self, [x, y]: [f64; 2]) -> f64 {
+        let ([ax, ay], [bx, by]) = (self.a, self.b);
+        let (tx, ty) = (bx - ax, by - ay);
+        let along = ((x - ax) * tx + (y - ay) * ty) / (tx * tx + ty * ty);
+        let along = along.clamp(0.0, 1.0);
+        (x - ax - along * tx).hypot(y - ay - along * ty)
+    }
+}
+
 /// What the coupler needs to know: the resolved scene, written to the run folder as JSON.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -236,7 +236,7 @@ fn walls(scene: &Scene) -> Option<Choice> {
     let grains = &scene.grains;
     let far = (0..grains.len()).filter(|&grain| {
         let reach = std::f64::consts::SQRT_2 * (1.0 + SPARE) * grains.radius[grain];
-        let near = |wall: &Wall| distance(wall, grains.position[grain]) <= reach;
+        let near = |wall: &Wall| wall.distance(grains.position[grain]) <= reach;
         grains.fixed[grain] || !part.walls.iter().any(near)
     });
     let share = far.count() as f64 / grains.len().max(1) as f64;
@@ -252,15 +252,6 @@ fn walls(scene: &Scene) -> Option<Choice> {
             ),
         )
     })
-}
-
-/// From a point to a wall segment \[m\].
-fn distance(wall: &Wall, [x, y]: [f64; 2]) -> f64 {
-    let along = [wall.b[0] - wall.a[0], wall.b[1] - wall.a[1]];
-    let from = [x - wall.a[0], y - wall.a[1]];
-    let square = along[0] * along[0] + along[1] * along[1];
-    let place = ((from[0] * along[0] + from[1] * along[1]) / square).clamp(0.0, 1.0);
-    (from[0] - place * along[0]).hypot(from[1] - place * along[1])
 }
 
 fn friction(scene: &Scene) -> Option<Choice> {
