@@ -196,7 +196,7 @@ pub fn study(path: &Path, out: Option<&Path>, threads: usize) -> Result<Outcome,
                         Job::Scene(scene) => {
                             batch::one(scene, &place, &mark, &interrupts, Voice::Aloud)?
                         }
-                        Job::Program(program) => program.run(&place)?,
+                        Job::Program(program) => program.run(&place, &interrupts)?,
                     };
                     let Some(done) = done else {
                         interrupted = true;

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 use nix::sys::resource::{UsageWho, getrusage};
 use nix::sys::time::TimeValLike;
-
 use serde_json::{Value, json};
 
 use crate::batch::{self, Done};
 use crate::error::{Error, exit_code};
+use crate::interrupt::Interrupts;
 use crate::launch;
 use crate::output::vtu;
 
@@ -38,9 +38,8 @@ impl Program {
         json!({ "program": self.path.file_name().map(|name| name.to_string_lossy()), "arguments": self.arguments })
     }
 
-    /// Run it; what it prints becomes `run.json`, with its cost beside it. None when a signal ended
-    /// it, as Ctrl-C does.
-    pub fn run(&self, place: &Path) -> Result<Option<Done>, Error> {
+    /// Run it; what it prints becomes `run.json`, with its cost beside it. None when it was interrupted.
+    pub fn run(&self, place: &Path, interrupts: &Interrupts) -> Result<Option<Done>, Error> {
         std::fs::create_dir_all(place).map_err(Error::file("cannot create", place))?;
         let log = place.join("program.log");
         let errors = std::fs::File::create(&log).map_err(Error::file("cannot create", &log))?;
@@ -61,14 +60,14 @@ impl Program {
         }
         let output = child.wait_with_output().map_err(waiting)?;
         let wall = begun.elapsed().as_secs_f64();
-        let Some(code) = output.status.code() else {
+        if output.status.code().is_none() && interrupts.so_far() > 0 {
             return Ok(None);
-        };
+        }
         let words = std::fs::read_to_string(&log).unwrap_or_default();
         let printed = serde_json::from_slice::<Value>(&output.stdout);
-        let (code, why, mut document) = match (code, printed) {
-            (0, Ok(document)) if document.is_object() => (exit_code::OK, None, document),
-            (0, _) => (
+        let (code, why, mut document) = match (output.status.code(), printed) {
+            (Some(0), Ok(document)) if document.is_object() => (exit_code::OK, None, document),
+            (Some(0), _) => (
                 exit_code::ENGINE,
                 Some(format!(
                     "{} did not print a JSON object",
@@ -76,7 +75,13 @@ impl Program {
                 )),
                 json!({}),
             ),
-            (code, _) => (code, words.lines().next_back().map(String::from), json!({})),
+            (Some(code), _) => (code, words.lines().next_back().map(String::from), json!({})),
+            // Ended by a signal of its own.
+            (None, _) => (
+                exit_code::ENGINE,
+                Some(output.status.to_string()),
+                json!({}),
+            ),
         };
         document["cost"] = json!({
             "cpu_process": { "program": cpu_of_children() - cpu_before },
