@@ -9,8 +9,8 @@
 //!
 //! (C1) is the affine model of `response.rs` with λ = 0 and z = vⁿ. Its lagged solid flux amplifies
 //! by 1/φ² − 1 a step in stiff free motion and by the added mass, (1−φ)ρ/(φρ_p), at any step: it
-//! diverges below φ = 0.707 where stiff, and wherever grains are light for their porosity. The fluid feels γ vⁿ and the grains γ vⁿ⁺¹: the difference is reported as
-//! `momentum_defect` and lost. (C2) conserves momentum and diverges once Δt (1/τ_p + 1/τ_f) > 2, with
+//! diverges below φ = 0.707 where stiff, and wherever grains are light for their porosity. The fluid
+//! feels γ vⁿ and the grains γ vⁿ⁺¹: the difference is reported as `momentum_defect` and lost. (C2) conserves momentum and diverges once Δt (1/τ_p + 1/τ_f) > 2, with
 //! τ_p = m/γ and τ_f = φρ/β. Both lack the deferred correction.
 
 use crate::coupling::Coupling;

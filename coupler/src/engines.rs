@@ -39,6 +39,8 @@ impl Request {
 /// The fluid engine's seat.
 pub struct FluidSeat {
     partner: Partner,
+    /// May fields that say nothing stay away?
+    leaves_out: bool,
     /// The mesh it solves on.
     pub mesh: MeshDescription,
     /// Nodal pressure of the last candidate \[Pa\].
@@ -59,6 +61,7 @@ impl FluidSeat {
         let pressure = vec![0.0; mesh.nodal_mass.len()];
         Ok(FluidSeat {
             partner,
+            leaves_out: process::may_leave_out(),
             mesh,
             pressure,
             diagnostics: Vec::new(),
@@ -101,7 +104,7 @@ impl FluidSeat {
         if !self.takes_affine_response() {
             inputs.truncate(4);
         }
-        if process::may_leave_out() {
+        if self.leaves_out {
             inputs.retain(|(field, values)| says_something(*field, values));
         }
         let mut state = FluidState::default();

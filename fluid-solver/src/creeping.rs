@@ -9,10 +9,12 @@
 //! | L      | shortest extent of the domain along an axis that is not periodic (all are: shortest period) | m |
 //! | D(v)   | ½(∇v + ∇vᵀ) | 1/s |
 //!
-//! Let δv be what the term would change. Testing its equation with δv gives ∫2μφ|D(δv)|² = −∫ρφ(v·∇v)·δv, and a flow without a net
-//! flux across a domain of width L has ∫|∇δv|² ≥ k²∫|δv|² (Poincaré): δv is at most Re of v, in the
-//! norm of the denominator. The bound is on the safe side: drag and inertia, which hold δv back too,
+//! Let δv be what the term would change. Testing its equation with δv gives
+//! ∫2μφ|D(δv)|² = −∫ρφ(v·∇v)·δv, and a flow without a net flux across a domain of width L has
+//! ∫|∇δv|² ≥ k²∫|δv|² (Poincaré): δv is at most Re of v, in the norm of the denominator. The bound is on the safe side: drag and inertia, which hold δv back too,
 //! are not in it, and the part of v·∇v that only changes the pressure is. Uniform flow has Re = 0.
+
+use std::ops::Range;
 
 use rayon::prelude::*;
 
@@ -49,11 +51,11 @@ impl Creeping {
 
     /// Re of (R1); 0 for fluid at rest.
     pub fn reynolds(&self, flow: &Flow, mesh: &Mesh) -> f64 {
-        let triangles: Vec<usize> = (0..mesh.triangles.len()).collect();
         // Partial sums of fixed pieces: the same bits on any number of threads.
-        let parts: Vec<[f64; 2]> = triangles
-            .par_chunks(PIECE)
-            .map(|piece| self.sums(piece, flow, mesh))
+        let count = mesh.triangles.len();
+        let parts: Vec<[f64; 2]> = (0..count.div_ceil(PIECE))
+            .into_par_iter()
+            .map(|piece| self.sums(PIECE * piece..count.min(PIECE * (piece + 1)), flow, mesh))
             .collect();
         let [convection, viscous] = parts
             .iter()
@@ -65,9 +67,9 @@ impl Creeping {
     }
 
     /// Both integrals of (R1) over some triangles, by the value at their centres.
-    fn sums(&self, triangles: &[usize], flow: &Flow, mesh: &Mesh) -> [f64; 2] {
+    fn sums(&self, triangles: Range<usize>, flow: &Flow, mesh: &Mesh) -> [f64; 2] {
         let mut sums = [0.0; 2];
-        for &t in triangles {
+        for t in triangles {
             let (nodes, shape) = (mesh.triangles[t], &mesh.geometry[t]);
             let porosity = nodes.map(|n| flow.porosity[n]);
             let here = interpolate(&CENTRE, &porosity);
