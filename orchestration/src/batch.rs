@@ -82,6 +82,15 @@ pub fn leave(interrupted: bool, failure: Option<(i32, String)>) {
     }
 }
 
+/// A name as that of a folder: its letters and digits, and `.-_=`; dashes for the rest.
+pub fn folder_name(name: &str) -> String {
+    let plain = |c: char| match c.is_alphanumeric() || ".-_=".contains(c) {
+        true => c,
+        false => '-',
+    };
+    name.chars().map(plain).collect()
+}
+
 /// Runnable processes, mean of the last minute.
 fn load() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/loadavg").ok()?;

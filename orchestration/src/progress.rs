@@ -9,6 +9,53 @@ use protocol::messages::Diagnostic;
 /// Between two plain lines.
 const QUIET: Duration = Duration::from_secs(5);
 
+/// A bar on stderr, where that is a terminal.
+fn bar(length: u64, style: &str) -> Option<ProgressBar> {
+    stderr().is_terminal().then(|| {
+        let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template(style) {
+            bar.set_style(style);
+        }
+        bar
+    })
+}
+
+/// Shows how far many quiet runs are; nothing yet when it is new.
+pub struct Gauge {
+    bar: Option<ProgressBar>,
+    spoken: Option<Instant>,
+}
+
+impl Default for Gauge {
+    fn default() -> Gauge {
+        Gauge {
+            bar: bar(1, "{msg}"),
+            spoken: None,
+        }
+    }
+}
+
+impl Gauge {
+    /// How far they are, in words: the line is rewritten on a terminal, else said now and then.
+    pub fn show(&mut self, line: &str) {
+        match &self.bar {
+            Some(bar) => bar.set_message(line.to_owned()),
+            None if self.spoken.is_none_or(|spoken| spoken.elapsed() >= QUIET) => {
+                self.spoken = Some(Instant::now());
+                eprintln!("{line}");
+            }
+            None => {}
+        }
+    }
+
+    /// They are over.
+    pub fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
 /// Shows how far a run is.
 pub struct Progress {
     end_time: f64,
@@ -25,18 +72,10 @@ pub struct Progress {
 impl Progress {
     /// Of a run until `end_time` \[s\].
     pub fn new(end_time: f64) -> Self {
-        let bar = stderr().is_terminal().then(|| {
-            let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
-            let style = "{bar:30} {msg}   {elapsed} elapsed, {eta} left";
-            if let Ok(style) = ProgressStyle::with_template(style) {
-                bar.set_style(style);
-            }
-            bar
-        });
         Progress {
             end_time,
             silent: false,
-            bar,
+            bar: bar(1000, "{bar:30} {msg}   {elapsed} elapsed, {eta} left"),
             begun: Instant::now(),
             spoken: None,
             step: 0,

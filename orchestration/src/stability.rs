@@ -24,6 +24,7 @@ use crate::batch::{self, Clock};
 use crate::cli::StabilityArgs;
 use crate::error::{Error, exit_code};
 use crate::interrupt::Interrupts;
+use crate::progress::Gauge;
 use crate::run::Voice;
 use crate::say;
 use crate::scene::document::Document;
@@ -168,7 +169,7 @@ fn run_all(
 ) -> Result<(Vec<Option<Finding>>, bool), Error> {
     let interrupts = Interrupts::count()?;
     let next = AtomicUsize::new(0);
-    let clock = Mutex::new((Clock::new(jobs.len()), Gauge::new()));
+    let clock = Mutex::new((Clock::new(jobs.len()), Gauge::default()));
     let findings: Vec<Mutex<Option<Finding>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
     let work = || -> Result<(), Error> {
         while interrupts.so_far() == 0 {
@@ -259,22 +260,11 @@ fn load(map: &Map, case: &Case, settings: &[String]) -> Result<Scene, Error> {
 }
 
 fn place(folder: &Path, map: &Map, job: &Job) -> PathBuf {
-    let plain = |label: &str| -> String {
-        let keep = |c: char| {
-            if c.is_ascii_alphanumeric() || ".-".contains(c) {
-                c
-            } else {
-                '-'
-            }
-        };
-        label.chars().map(keep).collect()
-    };
     let (across, up) = (&map.across.labels[job.across], &map.up.labels[job.up]);
-    let point = format!("{}_{}", plain(across), plain(up));
     folder
         .join("cells")
         .join(map.name)
-        .join(point)
+        .join(batch::folder_name(&format!("{across}_{up}")))
         .join(SCHEMES[job.scheme].0)
 }
 
@@ -299,42 +289,4 @@ fn collect(
         });
     }
     results
-}
-
-/// The progress of many runs on stderr: one line rewritten on a terminal, a line now and then otherwise.
-struct Gauge {
-    terminal: bool,
-    said: Option<Instant>,
-}
-
-impl Gauge {
-    fn new() -> Gauge {
-        let terminal = std::io::IsTerminal::is_terminal(&std::io::stderr());
-        Gauge {
-            terminal,
-            said: None,
-        }
-    }
-
-    fn show(&mut self, line: &str) {
-        let pause = if self.terminal { 0.1 } else { 10.0 };
-        if self
-            .said
-            .is_some_and(|said| said.elapsed().as_secs_f64() < pause)
-        {
-            return;
-        }
-        self.said = Some(Instant::now());
-        if self.terminal {
-            eprint!("\r{line}\x1b[K");
-        } else {
-            eprintln!("{line}");
-        }
-    }
-
-    fn finish(&self) {
-        if self.terminal {
-            eprint!("\r\x1b[K");
-        }
-    }
 }

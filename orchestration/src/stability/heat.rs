@@ -22,6 +22,8 @@ const GAP: i32 = 26;
 const TOP: i32 = 84;
 const BOTTOM: i32 = 150;
 const RIGHT: i32 = 24;
+/// Beside the legend.
+const MARGIN: i32 = 16;
 const INK: RGBColor = RGBColor(33, 37, 41);
 const GREY: RGBColor = RGBColor(134, 142, 150);
 /// Nothing was run here.
@@ -78,8 +80,10 @@ fn panel(map: &MapResult) -> (i32, i32) {
 fn size(map: &MapResult) -> (u32, u32) {
     let (width, height) = panel(map);
     let panels = map.schemes().len() as i32;
-    let wide = left(map) + panels * width + (panels - 1) * GAP + RIGHT;
-    (wide.max(980) as u32, (TOP + height + BOTTOM) as u32)
+    let wide = (left(map) + panels * width + (panels - 1) * GAP + RIGHT).max(980);
+    let rows = failures(wide).last().map_or(0, |(_, (_, row))| *row);
+    let high = TOP + height + BOTTOM + rows * (CELL.1 + 4);
+    (wide as u32, high as u32)
 }
 
 /// How far a text is anchored to its point.
@@ -174,7 +178,7 @@ fn draw<B: DrawingBackend>(root: &DrawingArea<B, Shift>, map: &MapResult) -> Res
         let at = (x + width / 2, TOP + height + 38);
         write(map.across.name, at, style(16, INK, HPos::Center))?;
     }
-    legend(root, TOP + height + 70)?;
+    legend(root, size(map).0 as i32, TOP + height + 70)?;
     root.present().map_err(text)
 }
 
@@ -217,7 +221,11 @@ fn draw_cell<B: DrawingBackend>(
 }
 
 /// Two rows: shades of the error and the number, then the letters.
-fn legend<B: DrawingBackend>(root: &DrawingArea<B, Shift>, y: i32) -> Result<(), String> {
+fn legend<B: DrawingBackend>(
+    root: &DrawingArea<B, Shift>,
+    width: i32,
+    y: i32,
+) -> Result<(), String> {
     let text = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
     let words = |words: &str, x: i32, y: i32| {
         let at = (x, y + CELL.1 / 2);
@@ -237,24 +245,31 @@ fn legend<B: DrawingBackend>(root: &DrawingArea<B, Shift>, y: i32) -> Result<(),
         x += CELL.0;
     }
     words("number: passes a step, if not 1", x + 12, y)?;
-    let failures = [
-        Verdict::NotFinite,
-        Verdict::Growth,
-        Verdict::NotConverged,
-        Verdict::BudgetBroken,
-        Verdict::WrongLimit,
-        Verdict::TimeLimit,
-        Verdict::Refused,
-    ];
-    let mut x = 16;
-    for verdict in failures {
-        let name = verdict.name();
+    for (verdict, (x, row)) in failures(width) {
         let (fill, letter, ink) = look(&Cell::of(verdict));
-        draw_cell(root, (x, y + CELL.1 + 4), fill, &letter, ink)?;
-        words(name, x + CELL.0 + 4, y + CELL.1 + 4)?;
-        x += CELL.0 + 16 + 8 * name.len() as i32;
+        let y = y + (row + 1) * (CELL.1 + 4);
+        draw_cell(root, (x, y), fill, &letter, ink)?;
+        words(verdict.name(), x + CELL.0 + 4, y)?;
     }
     Ok(())
+}
+
+/// Ways to fail, with the place of each in a legend of this width: x, and the row from 0.
+fn failures(width: i32) -> Vec<(Verdict, (i32, i32))> {
+    let (mut x, mut row) = (MARGIN, 0);
+    let ways = Verdict::ALL
+        .into_iter()
+        .filter(|way| *way != Verdict::Stable);
+    ways.map(|way| {
+        let own = CELL.0 + 4 + 8 * way.name().chars().count() as i32;
+        if x + own > width - MARGIN {
+            (x, row) = (MARGIN, row + 1);
+        }
+        let place = (x, row);
+        x += own + 12;
+        (way, place)
+    })
+    .collect()
 }
 
 impl Cell {

@@ -1,6 +1,7 @@
 //! The points of a study: every combination of its axes, the first one running fastest.
 
 use super::keys::{AxisPoint, StudyFile};
+use crate::batch;
 
 /// One point.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,16 +60,8 @@ pub fn finer(study: &StudyFile, settings: &[String]) -> Vec<Point> {
 }
 
 impl Point {
-    /// Name of its folder: letters, digits, dots and dashes of its names.
+    /// Name of its folder.
     pub fn folder(&self) -> String {
-        let name = self.names.join("_");
-        let plain = |c: char| {
-            if c.is_alphanumeric() || ".-_=".contains(c) {
-                c
-            } else {
-                '-'
-            }
-        };
-        name.chars().map(plain).collect()
+        batch::folder_name(&self.names.join("_"))
     }
 }
