@@ -102,8 +102,11 @@ pub struct Measure {
 pub struct Also {
     /// The number.
     pub measure: Measure,
-    /// What it would be without error; without it the value stands in the tables, not its error.
+    /// What it would be without error …
     pub reference: Option<f64>,
+    /// … or the point that it is held against: its name on an axis, with the same names on the others.
+    /// Without either the value stands in the tables, not its error.
+    pub against: Option<String>,
 }
 
 /// What the measure would be without error.
@@ -176,11 +179,34 @@ fn check(study: &StudyFile) -> Result<(), String> {
             }
         }
     }
-    for measure in study.also.iter().map(|also| &also.measure) {
-        check_measure(measure)?;
+    for also in &study.also {
+        check_measure(&also.measure)?;
+        check_against(study, also)?;
     }
     check_measure(&study.measure)?;
     check_reference(study.reference.as_ref())
+}
+
+fn check_against(study: &StudyFile, also: &Also) -> Result<(), String> {
+    let Some(against) = &also.against else {
+        return Ok(());
+    };
+    let place = format!("also, {}", also.measure.name);
+    if also.reference.is_some() {
+        return Err(format!("{place}: takes reference or against, not both"));
+    }
+    let points = study.axis.iter().flat_map(|axis| &axis.points);
+    let names: Vec<&str> = points.map(|point| point.name.as_str()).collect();
+    match names.iter().filter(|name| *name == against).count() {
+        1 => Ok(()),
+        0 => Err(format!(
+            "{place}: against = {against:?} is no point (points: {})",
+            names.join(", ")
+        )),
+        _ => Err(format!(
+            "{place}: against = {against:?} stands on several axes"
+        )),
+    }
 }
 
 fn check_measure(measure: &Measure) -> Result<(), String> {

@@ -96,6 +96,7 @@ pub fn rows(
             row(study, point, samples, truth.get(series).copied().flatten())
         })
         .collect();
+    hold_against(study, &mut rows);
     // Points of the first axis follow each other, once for each choice on the others.
     let first = &study.axis[0];
     let chosen = rows.chunks_mut(first.points.len());
@@ -117,6 +118,33 @@ pub fn rows(
         .zip(front)
         .for_each(|(row, front)| row.front = front);
     rows
+}
+
+/// Errors of what is held against another point.
+fn hold_against(study: &StudyFile, rows: &mut [Row]) {
+    for (index, also) in study.also.iter().enumerate() {
+        let Some(against) = &also.against else {
+            continue;
+        };
+        let on = |axis: &super::keys::Axis| axis.points.iter().any(|p| p.name == *against);
+        let Some(axis) = study.axis.iter().position(on) else {
+            continue;
+        };
+        let errors: Vec<Option<f64>> = rows
+            .iter()
+            .map(|row| {
+                let mut names = row.names.clone();
+                names[axis].clone_from(against);
+                let truth = rows.iter().find(|other| other.names == names)?.also[index];
+                let itself = row.names == names;
+                let error = Some(analysis::error(row.also[index], truth));
+                error.filter(|error| error.is_finite() && !itself)
+            })
+            .collect();
+        for (row, error) in rows.iter_mut().zip(errors) {
+            row.also_errors[index] = error;
+        }
+    }
 }
 
 fn row(study: &StudyFile, point: &Point, samples: &[Sample], truth: Option<f64>) -> Row {
@@ -212,7 +240,12 @@ pub fn document(name: &str, study: &StudyFile, rows: &[Row], complete: bool) -> 
         "axes": study.axis.iter().map(|axis| &axis.name).collect::<Vec<_>>(),
         "measure": { "name": study.measure.name, "unit": study.measure.unit },
         "also": study.also.iter().map(|also| {
-            json!({ "name": also.measure.name, "unit": also.measure.unit, "reference": also.reference })
+            json!({
+                "name": also.measure.name,
+                "unit": also.measure.unit,
+                "reference": also.reference,
+                "against": also.against,
+            })
         }).collect::<Vec<_>>(),
         "reference": study.reference.as_ref().map(|reference| &reference.source),
         "repeats": study.repeats,
@@ -231,7 +264,12 @@ fn csv(study: &StudyFile, rows: &[Row]) -> String {
          memory_fluid,memory_particles,memory_coupler,steps,passes,load,runs,failed"
             .into(),
     );
-    text.extend(study.also.iter().map(|also| quoted(&also.measure.name)));
+    for also in &study.also {
+        text.push(quoted(&also.measure.name));
+        if also.against.is_some() {
+            text.push(quoted(&format!("{}, error", also.measure.name)));
+        }
+    }
     let mut text = text.join(",") + "\n";
     for row in rows {
         let cost = &row.cost;
@@ -252,7 +290,12 @@ fn csv(study: &StudyFile, rows: &[Row]) -> String {
         cells.extend([known(cost.steps), known(cost.passes), known(cost.load)]);
         cells.push(row.runs.to_string());
         cells.push(row.failed.as_deref().map_or(String::new(), quoted));
-        cells.extend(row.also.iter().map(|value| known(*value)));
+        for ((value, error), also) in row.also.iter().zip(&row.also_errors).zip(&study.also) {
+            cells.push(known(*value));
+            if also.against.is_some() {
+                cells.push(some(*error));
+            }
+        }
         text += &(cells.join(",") + "\n");
     }
     text
@@ -267,7 +310,10 @@ pub fn cells(study: &StudyFile, rows: &[Row]) -> (Vec<String>, Vec<Vec<String>>)
     };
     heads.push(head(&study.measure));
     heads.extend(["error", "order"].map(String::from));
-    heads.extend(study.also.iter().map(|also| head(&also.measure)));
+    heads.extend(study.also.iter().map(|also| match &also.against {
+        Some(against) => format!("{} (off {against})", head(&also.measure)),
+        None => head(&also.measure),
+    }));
     heads.extend(
         [
             "CPU [s]",
@@ -302,7 +348,12 @@ pub fn cells(study: &StudyFile, rows: &[Row]) -> (Vec<String>, Vec<Vec<String>>)
             cells.push(digits(row.value));
             cells.push(row.error.map_or_else(dash, |error| format!("{error:.2e}")));
             cells.push(row.order.map_or_else(dash, |order| format!("{order:.2}")));
-            cells.extend(row.also.iter().map(|value| digits(*value)));
+            for ((value, error), also) in row.also.iter().zip(&row.also_errors).zip(&study.also) {
+                cells.push(match (&also.against, error) {
+                    (Some(_), Some(error)) => format!("{} ({error:.1e})", digits(*value)),
+                    _ => digits(*value),
+                });
+            }
             cells.push(format!("{:.2}", cost.cpu_total));
             cells.push(format!("{:.2}", cost.wall));
             cells.push(format!("{:.0} MB", memory / 1e6));
