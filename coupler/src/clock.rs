@@ -129,6 +129,7 @@ mod tests {
             gravity: [0.0, -9.81],
             fluid: None,
             particles: None,
+            grains_stay: false,
             grains_file: None,
             scheme: Scheme::Staggered,
             drag: DragLaw::Dallavalle,

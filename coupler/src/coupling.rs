@@ -15,7 +15,7 @@ use crate::scheme::{Outcome, TOUCHES};
 use crate::transfer::{Placement, Transfer};
 
 /// Deposited fields keep the lumped mass up to this ratio of grain diameter to cell size.
-const LUMPED_RATIO_MAX: f64 = 0.25;
+pub const LUMPED_RATIO_MAX: f64 = 0.25;
 
 /// Contact residual wished for, of the tolerance of the passes: errors of all contacts below a grain
 /// add up in it, so a held bed is as still as its contact solve is exact.
@@ -30,7 +30,8 @@ pub struct GrainState {
     pub velocity: Vec<f64>,
     /// v̄ of the last step \[m/s\]
     pub mean_velocity: Vec<f64>,
-    /// 0 free, 1 touches, 2 held
+    /// 0 free, 1 touches, 2 held; where the fluid does not feel the grains it is known after
+    /// [`Coupling::contact_states`]
     pub contact: Vec<f64>,
     /// Mean contact force of the last step \[N\]
     pub contact_force: Vec<f64>,
@@ -104,11 +105,17 @@ impl Coupling {
         grains: &InitialGrains,
     ) -> Result<Coupling, CouplerError> {
         let fluid = match (fluid, &scene.fluid) {
-            (Some(partner), Some(part)) => Some(FluidSeat::new(partner, part)?),
+            (Some(partner), Some(part)) => {
+                Some(FluidSeat::new(partner, part, scene.particles.is_some())?)
+            }
             _ => None,
         };
         let particles = match (particles, &scene.particles) {
-            (Some(partner), Some(part)) => Some(ParticleSeat::new(partner, part, grains)?),
+            (Some(partner), Some(part)) => {
+                let felt = fluid.is_some() && scene.reaction;
+                Some(ParticleSeat::new(partner, part, grains, felt)?)
+            }
+            (None, Some(_)) if scene.grains_stay => Some(ParticleSeat::fixed(grains)),
             _ => None,
         };
         let state = particles
@@ -167,7 +174,10 @@ impl Coupling {
     /// Who takes part.
     pub fn hellos(&self) -> Vec<Hello> {
         let fluid = self.fluid.as_ref().map(|seat| seat.hello().clone());
-        let particles = self.particles.as_ref().map(|seat| seat.hello().clone());
+        let particles = self
+            .particles
+            .as_ref()
+            .and_then(|seat| seat.hello().cloned());
         fluid.into_iter().chain(particles).collect()
     }
 
@@ -187,8 +197,8 @@ impl Coupling {
         if let Some(seat) = &mut self.fluid {
             seat.partner().commit(step)?;
         }
-        if let Some(seat) = &mut self.particles {
-            seat.partner().commit(step)?;
+        if let Some(partner) = self.particles.as_mut().and_then(ParticleSeat::partner) {
+            partner.commit(step)?;
         }
         self.step = step;
         self.time += dt;
@@ -407,7 +417,20 @@ impl Coupling {
         self.grains.position = candidate.position;
         self.grains.velocity = candidate.velocity;
         self.grains.mean_velocity = candidate.mean_velocity;
-        self.grains.contact = candidate.contact;
+        if !candidate.contact.is_empty() {
+            self.grains.contact = candidate.contact;
+        }
+    }
+
+    /// Contact states of the accepted grains; they come from the engine now where the scheme does
+    /// without.
+    pub fn contact_states(&mut self) -> Result<&[f64], CouplerError> {
+        if let (Some(seat), true) = (&mut self.particles, self.step > 0)
+            && let Some(contact) = seat.withheld_contact()?
+        {
+            self.grains.contact = contact;
+        }
+        Ok(&self.grains.contact)
     }
 
     pub(crate) fn request(&self, pass: u32, dt: f64) -> Request {
@@ -440,7 +463,11 @@ impl Coupling {
         let tolerance = self.contact_tolerance();
         let seat = self.particles.as_mut().expect("the scene has grains");
         let mut candidate = seat.advance(request, Some((drag, force)), sub_steps, tolerance)?;
-        if let (false, Some(part)) = (self.tells_contacts(), &self.scene.particles) {
+        if let (false, true, Some(part)) = (
+            self.tells_contacts(),
+            self.scene.reaction,
+            &self.scene.particles,
+        ) {
             let may_touch = proximity::may_touch(&self.grains, part, request.dt);
             let state = |may| if may { TOUCHES } else { 0.0 };
             candidate.contact = may_touch.into_iter().map(state).collect();

@@ -8,6 +8,7 @@ use protocol::process;
 
 use crate::error::CouplerError;
 use crate::response::{FluidState, NodalResponse};
+use crate::scheme::HELD;
 
 /// Position of a candidate in the run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,10 +42,12 @@ pub struct FluidSeat {
     partner: Partner,
     /// May fields that say nothing stay away?
     leaves_out: bool,
+    /// Fields that it keeps back until somebody reads them.
+    withheld: Vec<Field>,
     /// The mesh it solves on.
     pub mesh: MeshDescription,
-    /// Nodal pressure of the last candidate \[Pa\].
-    pub pressure: Vec<f64>,
+    /// Nodal pressure, and is it that of the last candidate?
+    pressure: (Vec<f64>, bool),
     /// Numbers of the last candidate.
     pub diagnostics: Vec<Diagnostic>,
     /// Wall time waited for it \[s\].
@@ -52,14 +55,19 @@ pub struct FluidSeat {
 }
 
 impl FluidSeat {
-    /// Configure an engine that has said hello.
+    /// Configure an engine that has said hello. Pressure is read where a state is put out; its gradient
+    /// is read by grains, if there are any.
     pub fn new(
         mut partner: Partner,
         scene: &protocol::configure::FluidScene,
+        has_grains: bool,
     ) -> Result<FluidSeat, CouplerError> {
         let mesh = partner.configure_fluid(scene)?;
-        let pressure = vec![0.0; mesh.nodal_mass.len()];
+        let unread = [Field::Pressure, Field::PressureGradient];
+        let unread = &unread[..if has_grains { 1 } else { 2 }];
+        let pressure = (vec![0.0; mesh.nodal_mass.len()], true);
         Ok(FluidSeat {
+            withheld: withhold(&mut partner, unread)?,
             partner,
             leaves_out: process::may_leave_out(),
             mesh,
@@ -108,18 +116,40 @@ impl FluidSeat {
             inputs.retain(|(field, values)| says_something(*field, values));
         }
         let mut state = FluidState::default();
-        let mut outputs = [
+        let mut outputs = vec![
             (Field::InterstitialVelocity, &mut state.velocity),
             (Field::PressureGradient, &mut state.pressure_gradient),
-            (Field::Pressure, &mut self.pressure),
+            (Field::Pressure, &mut self.pressure.0),
         ];
+        outputs.retain(|(field, _)| !self.withheld.contains(field));
         let done = self
             .partner
             .advance(&request.advance(0, 0.0), &inputs, &mut outputs)?;
+        self.pressure.1 = !self.withheld.contains(&Field::Pressure);
         self.diagnostics = done.diagnostics;
         self.wall += begin.elapsed().as_secs_f64();
         Ok(state)
     }
+
+    /// Nodal pressure of the accepted state \[Pa\]; zero before the first step. Comes from the engine
+    /// when it is read.
+    pub fn pressure(&mut self) -> Result<&[f64], CouplerError> {
+        let (pressure, known) = &mut self.pressure;
+        if !*known {
+            self.partner.tell(&mut [(Field::Pressure, pressure)])?;
+            *known = true;
+        }
+        Ok(pressure)
+    }
+}
+
+/// Let an engine keep back what nobody reads with every candidate; says what it does keep back.
+fn withhold(partner: &mut Partner, unread: &[Field]) -> Result<Vec<Field>, CouplerError> {
+    if unread.is_empty() || !partner.may_withhold() || !process::may_leave_out() {
+        return Ok(Vec::new());
+    }
+    partner.withhold(unread)?;
+    Ok(unread.to_vec())
 }
 
 /// Where nothing can be entrained, as in a bed of fixed grains, these fields are zero everywhere: what
@@ -141,7 +171,7 @@ pub struct GrainCandidate {
     pub velocity: Vec<f64>,
     /// v̄ = (xⁿ⁺¹ − xⁿ)/Δt \[m/s\]
     pub mean_velocity: Vec<f64>,
-    /// 0 free, 1 touches, 2 held
+    /// 0 free, 1 touches, 2 held; empty where nobody reads it with every candidate
     pub contact: Vec<f64>,
     /// Sub-steps used
     pub sub_steps: u32,
@@ -149,7 +179,10 @@ pub struct GrainCandidate {
 
 /// The particle engine's seat.
 pub struct ParticleSeat {
-    partner: Partner,
+    /// None where no grain moves and nobody needs to be asked.
+    partner: Option<Partner>,
+    /// Fields that it keeps back until somebody reads them.
+    withheld: Vec<Field>,
     /// The grains it runs, as they began.
     pub grains: InitialGrains,
     /// Numbers of the last candidate.
@@ -159,34 +192,52 @@ pub struct ParticleSeat {
 }
 
 impl ParticleSeat {
-    /// Configure an engine that has said hello.
+    /// Configure an engine that has said hello. Contact states are read where a state is put out, and
+    /// by the scheme where the fluid feels the grains.
     pub fn new(
         mut partner: Partner,
         scene: &protocol::configure::ParticleScene,
         grains: &InitialGrains,
+        felt: bool,
     ) -> Result<ParticleSeat, CouplerError> {
         let grains = partner.configure_particles(scene, grains)?;
+        let unread: &[Field] = if felt { &[] } else { &[Field::GrainContact] };
         Ok(ParticleSeat {
-            partner,
+            withheld: withhold(&mut partner, unread)?,
+            partner: Some(partner),
             grains,
             diagnostics: Vec::new(),
             wall: 0.0,
         })
     }
 
-    /// What the engine said about itself.
-    pub fn hello(&self) -> &Hello {
-        self.partner.hello()
+    /// Grains that stay where they are, without an engine.
+    pub fn fixed(grains: &InitialGrains) -> ParticleSeat {
+        let mut grains = grains.clone();
+        grains.velocity.fill(0.0);
+        ParticleSeat {
+            partner: None,
+            withheld: Vec::new(),
+            grains,
+            diagnostics: Vec::new(),
+            wall: 0.0,
+        }
+    }
+
+    /// What the engine said about itself, if there is one.
+    pub fn hello(&self) -> Option<&Hello> {
+        self.partner.as_ref().map(Partner::hello)
     }
 
     /// Does it tell which grains a wall holds?
     pub fn tells_contacts(&self) -> bool {
-        has(self.hello(), Capability::ContactState)
+        self.hello()
+            .is_none_or(|hello| has(hello, Capability::ContactState))
     }
 
-    /// The engine behind the seat.
-    pub fn partner(&mut self) -> &mut Partner {
-        &mut self.partner
+    /// The engine behind the seat, if there is one.
+    pub fn partner(&mut self) -> Option<&mut Partner> {
+        self.partner.as_mut()
     }
 
     /// Free velocities and contacts (S4, S5) under γ and q; without them the grains are dry.
@@ -198,27 +249,50 @@ impl ParticleSeat {
         sub_steps: u32,
         tolerance: f64,
     ) -> Result<GrainCandidate, CouplerError> {
+        let Some(partner) = &mut self.partner else {
+            return Ok(self.stay());
+        };
         let begin = std::time::Instant::now();
         let inputs: Vec<(Field, &[f64])> = forces.map_or_else(Vec::new, |(drag, force)| {
             vec![(Field::GrainDrag, drag), (Field::GrainForce, force)]
         });
         let mut candidate = GrainCandidate::default();
-        let mut outputs = [
+        let mut outputs = vec![
             (Field::GrainPosition, &mut candidate.position),
             (Field::GrainVelocity, &mut candidate.velocity),
             (Field::GrainMeanVelocity, &mut candidate.mean_velocity),
             (Field::GrainContact, &mut candidate.contact),
         ];
-        let done = self.partner.advance(
-            &request.advance(sub_steps, tolerance),
-            &inputs,
-            &mut outputs,
-        )?;
+        outputs.retain(|(field, _)| !self.withheld.contains(field));
+        let request = request.advance(sub_steps, tolerance);
+        let done = partner.advance(&request, &inputs, &mut outputs)?;
         self.diagnostics = done.diagnostics;
         candidate.sub_steps =
             value(&self.diagnostics, "sub_steps").map_or(1, |count| count.max(1.0) as u32);
         self.wall += begin.elapsed().as_secs_f64();
         Ok(candidate)
+    }
+
+    /// Contact states of the accepted step, if they did not come with it.
+    pub(crate) fn withheld_contact(&mut self) -> Result<Option<Vec<f64>>, CouplerError> {
+        let Some(partner) = self.partner.as_mut().filter(|_| !self.withheld.is_empty()) else {
+            return Ok(None);
+        };
+        let mut contact = Vec::new();
+        partner.tell(&mut [(Field::GrainContact, &mut contact)])?;
+        Ok(Some(contact))
+    }
+
+    /// What an engine would answer for grains that are all fixed.
+    fn stay(&self) -> GrainCandidate {
+        let count = self.grains.radius.len();
+        GrainCandidate {
+            position: self.grains.position.clone(),
+            velocity: vec![0.0; 2 * count],
+            mean_velocity: vec![0.0; 2 * count],
+            contact: vec![HELD; count],
+            sub_steps: 1,
+        }
     }
 }
 

@@ -40,6 +40,14 @@ pub fn read(path: &Path) -> Result<(CouplerScene, InitialGrains), CouplerError> 
         .collect::<Result<_, _>>()
         .map_err(|error| refuse(&file, error.to_string()))?;
     let grains = grains(&rows, scene.geometry).map_err(|why| refuse(&file, why))?;
+    if let Some(row) = rows
+        .iter()
+        .position(|row| scene.grains_stay && row.fixed == 0)
+    {
+        let why =
+            "is not fixed, but the scene says grains_stay: without a particle process all must be";
+        return Err(refuse(&file, format!("line {}: the grain {why}", row + 2)));
+    }
     Ok((scene, grains))
 }
 

@@ -15,7 +15,7 @@ use protocol::runspace::RunSpace;
 
 use crate::clock::Clock;
 use crate::coupling::{self, Coupling, StepReport};
-use crate::engines::value;
+use crate::engines::{ParticleSeat, value};
 use crate::error::CouplerError;
 use crate::observe::{self, StepCost};
 use crate::record::{self, Recording};
@@ -80,7 +80,8 @@ fn connect(
         })
     };
     let fluid = seat(scene.fluid.is_some(), Role::Fluid)?;
-    let particles = seat(scene.particles.is_some(), Role::Particles)?;
+    let moving = scene.particles.is_some() && !scene.grains_stay;
+    let particles = seat(moving, Role::Particles)?;
     Coupling::new(scene, fluid, particles, grains)
 }
 
@@ -88,8 +89,8 @@ fn finish(coupling: &mut Coupling) -> Result<(), CouplerError> {
     if let Some(seat) = &mut coupling.fluid {
         seat.partner().finish()?;
     }
-    if let Some(seat) = &mut coupling.particles {
-        seat.partner().finish()?;
+    if let Some(partner) = coupling.particles.as_mut().and_then(ParticleSeat::partner) {
+        partner.finish()?;
     }
     Ok(())
 }
@@ -181,7 +182,10 @@ fn may_be_halved(error: &CouplerError) -> bool {
     }
 }
 
-fn announce(coupling: &Coupling, monitor: &mut Option<MonitorSender>) -> Result<(), CouplerError> {
+fn announce(
+    coupling: &mut Coupling,
+    monitor: &mut Option<MonitorSender>,
+) -> Result<(), CouplerError> {
     let Some(sender) = monitor else { return Ok(()) };
     let hellos = coupling.hellos();
     let mesh = coupling.fluid.as_ref().map(|seat| &seat.mesh);
@@ -189,14 +193,19 @@ fn announce(coupling: &Coupling, monitor: &mut Option<MonitorSender>) -> Result<
     snapshot(coupling, monitor)
 }
 
-fn snapshot(coupling: &Coupling, monitor: &mut Option<MonitorSender>) -> Result<(), CouplerError> {
+/// The state as it is put out, with what is read only here.
+fn snapshot(
+    coupling: &mut Coupling,
+    monitor: &mut Option<MonitorSender>,
+) -> Result<(), CouplerError> {
     let Some(monitor) = monitor else {
         return Ok(());
     };
+    coupling.contact_states()?;
     let mut fields: Vec<(Field, &[f64])> = Vec::new();
-    if let Some(seat) = &coupling.fluid {
+    if let Some(seat) = &mut coupling.fluid {
         fields.push((Field::InterstitialVelocity, &coupling.fluid_state.velocity));
-        fields.push((Field::Pressure, &seat.pressure));
+        fields.push((Field::Pressure, seat.pressure()?));
         fields.push((Field::Porosity, &coupling.porosity));
     }
     if coupling.particles.is_some() {

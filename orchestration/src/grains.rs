@@ -41,6 +41,11 @@ impl GrainTable {
         self.radius.is_empty()
     }
 
+    /// Is there a grain, and does none move?
+    pub fn all_fixed(&self) -> bool {
+        !self.is_empty() && self.fixed.iter().all(|&fixed| fixed)
+    }
+
     /// Area of all disks \[m²\].
     pub fn area(&self) -> f64 {
         self.radius

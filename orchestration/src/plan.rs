@@ -1,6 +1,6 @@
 //! What a scene needs: processes, terms, fields, sizes; what is left out, and what is chosen.
 
-mod choices;
+pub mod choices;
 mod cost;
 
 use std::fmt;
@@ -94,6 +94,10 @@ fn coupled(scene: &Scene) -> bool {
     scene.coupler.fluid.is_some() && scene.coupler.particles.is_some()
 }
 
+fn has_particle_process(scene: &Scene) -> bool {
+    scene.coupler.particles.is_some() && !scene.coupler.grains_stay
+}
+
 /// Which processes, and how they are started.
 pub fn processes(scene: &Scene) -> Vec<Process> {
     let mut processes = Vec::new();
@@ -111,7 +115,7 @@ pub fn processes(scene: &Scene) -> Vec<Process> {
     if scene.coupler.fluid.is_some() {
         add("fluid", command(&scene.engines.fluid, "sillage-fluid"));
     }
-    if scene.coupler.particles.is_some() {
+    if has_particle_process(scene) {
         add(
             "particles",
             command(&scene.engines.particles, "sillage-particles"),
@@ -243,8 +247,10 @@ fn nonlinear(fluid: &FluidScene) -> String {
 
 fn fields(scene: &Scene) -> Vec<Exchange> {
     let mut exchanges = Vec::new();
+    let (put_out, unread) = choices::withheld(scene);
     let mut add = |route: &str, fields: &[Field]| {
-        exchanges.extend(fields.iter().map(|field| Exchange {
+        let crosses = |field: &&Field| !put_out.contains(field) && !unread.contains(field);
+        exchanges.extend(fields.iter().filter(crosses).map(|field| Exchange {
             route: route.to_string(),
             field: field.name().to_string(),
             unit: field.unit().to_string(),
@@ -274,7 +280,7 @@ fn fields(scene: &Scene) -> Vec<Exchange> {
             ],
         );
     }
-    if scene.coupler.particles.is_some() {
+    if has_particle_process(scene) {
         if coupled(scene) {
             add(
                 "coupler → particles",
@@ -317,6 +323,9 @@ fn left_out(scene: &Scene) -> Vec<String> {
     }
     if coupler.particles.is_none() {
         add("particle process, contacts, porosity, drag: the scene has no [[grains]]");
+    }
+    if coupler.grains_stay {
+        add("particle process, contacts: every grain is fixed");
     }
     if coupled(scene) && !coupler.reaction {
         add("response of the grains in the fluid: reaction = false, one-way");

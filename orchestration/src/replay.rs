@@ -125,7 +125,7 @@ pub fn replay(reader: &mut Reader, role: Role, engine: Option<&str>) -> Result<R
     let scene = &reader.begin().scene;
     let there = match role {
         Role::Fluid => scene.fluid.is_some(),
-        Role::Particles => scene.particles.is_some(),
+        Role::Particles => scene.particles.is_some() && !scene.grains_stay,
     };
     if !there {
         return Err(Error::Usage(format!(

@@ -229,6 +229,34 @@ fn every_scene_as_it_is_gives_the_same_result_with_everything_forced_on() {
     });
 }
 
+#[test]
+fn grains_that_are_all_fixed_need_no_particle_process() {
+    let path = root().join("scenes/fixed-bed.toml");
+    // convection there in both: what is left is to the bit
+    let settings = ["fluid.convection=true", "output.frames=false"].map(str::to_owned);
+    let chosen = run(&path, &settings);
+    let forced = run(
+        &path,
+        &[&settings[..], &["run.leave_out=false".to_owned()]].concat(),
+    );
+    let processes = |done: &Done| -> Vec<String> {
+        let used = done.report["cost"]["cpu_process"].as_object();
+        used.expect("CPU of every process")
+            .keys()
+            .cloned()
+            .collect()
+    };
+    println!("{:?} → {:?}", processes(&forced), processes(&chosen));
+    assert_eq!(processes(&forced), ["coupler", "fluid", "particles"]);
+    assert_eq!(processes(&chosen), ["coupler", "fluid"]);
+    for (column, values) in &chosen.steps {
+        if !is_effort(column) {
+            assert_eq!(values, &forced.steps[column], "{column}");
+        }
+    }
+    assert_eq!(chosen.files, forced.files);
+}
+
 /// When was this part first there, and how many steps did without it?
 fn left_out(done: &Done, part: &str) -> (Option<u64>, u64) {
     let parts = done.report["left_out"].as_array().expect("a list");

@@ -138,7 +138,7 @@ fn a_killed_run_leaves_a_recording_that_replays_up_to_its_last_whole_chunk() {
     println!("{replayed} steps of {steps} replayed");
     assert_eq!(document["complete"], false);
     assert!(replayed > 5);
-    assert!(document["fields"]["pressure"]["unequal"] == 0);
+    assert!(document["fields"]["pressure_gradient"]["unequal"] == 0);
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn files_in(folder: &Path) -> Vec<String> {
         .collect()
 }
 
-/// Copy a recording; the pressure of step 2 is changed at node 7 by this share of the
+/// Copy a recording; the pressure gradient of step 2 is changed at node 7 by this share of the
 /// largest.
 fn changed(from: &Path, to: &Path, share: f64) {
     let bytes = std::fs::read(from).expect("bytes");
@@ -250,14 +250,16 @@ fn changed(from: &Path, to: &Path, share: f64) {
     let mut writer = options.create(file).expect("a writer");
     for message in mcap::MessageStream::new(&bytes).expect("messages") {
         let mut message = message.expect("a message");
-        if message.channel.topic == "fluid/pressure" && message.log_time / 1_000_000_000 == 2 {
+        if message.channel.topic == "fluid/pressure_gradient"
+            && message.log_time / 1_000_000_000 == 2
+        {
             let mut data = message.data.to_vec();
             let (numbers, _) = data[64..].as_chunks_mut::<8>();
             let largest = numbers
                 .iter()
                 .map(|number| f64::from_le_bytes(*number).abs())
                 .fold(0.0, f64::max);
-            numbers[7] = (f64::from_le_bytes(numbers[7]) + share * largest).to_le_bytes();
+            numbers[14] = (f64::from_le_bytes(numbers[14]) + share * largest).to_le_bytes();
             let sum = crc32c::crc32c_append(crc32c::crc32c(&data[..56]), &data[60..]);
             data[56..60].copy_from_slice(&sum.to_le_bytes());
             message.data = data.into();
@@ -292,8 +294,8 @@ fn differences_are_told_with_their_place_and_exit_code_1_unless_they_are_tolerat
     assert_eq!(code, 1);
     let document: Value = serde_json::from_str(&out).expect("one document");
     assert_eq!(document["ok"], false);
-    assert_eq!(document["fields"]["pressure"]["place"]["index"], 7);
-    assert_eq!(document["fields"]["pressure"]["unequal"], 1);
+    assert_eq!(document["fields"]["pressure_gradient"]["place"]["index"], 7);
+    assert_eq!(document["fields"]["pressure_gradient"]["unequal"], 1);
     // Other steps, other physics.
     let longer = recorded(0.033, &["--record"]);
     let (code, out, _) = told(&["diff", text(folder.path()), text(longer.path())]);

@@ -20,7 +20,7 @@ use crate::vector::{Vector, add, norm, scale, shortest_image, sub};
 use crate::walls::{WallContact, Walls, image_code};
 
 /// Reach of the list beyond what the step needs, of the radius.
-const SPARE: f64 = 0.4;
+pub const SPARE: f64 = 0.4;
 /// Part of s that round-off of positions may take.
 const SAFE: f64 = 1.0 - 1e-6;
 /// Reach beyond the radius, of the radius, above which a list is too long to be worth keeping.

@@ -204,6 +204,9 @@ pub struct CouplerScene {
     pub fluid: Option<FluidScene>,
     /// The particle engine's part; none: no particle process.
     pub particles: Option<ParticleScene>,
+    /// No grain moves and there is no particle process: the coupler answers for them.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub grains_stay: bool,
     /// CSV with the initial grains: x,y,radius,density,vx,vy,fixed; relative to the run folder.
     pub grains_file: Option<String>,
     /// Coupling scheme.

@@ -27,6 +27,8 @@ pub enum Capability {
     Checkpoint,
     /// Fluid: leaves convection out while it is small (`Convection::AsNeeded`); others get `Always`.
     ConvectionAsNeeded,
+    /// Both: knows `Withhold` and `Tell`; the loop of this crate declares it for every engine.
+    FieldsOnRequest,
 }
 
 /// First message of an engine.
@@ -182,6 +184,16 @@ pub enum ToEngine {
     },
     /// The run is over: leave with exit code 0. Not answered.
     Finish,
+    /// Leave these fields out of every `Done` from now on. Not answered.
+    Withhold {
+        /// Fields of a candidate; a second `Withhold` replaces the first.
+        fields: Vec<Field>,
+    },
+    /// Send these withheld fields of the accepted state: after `Commit`, before the next `Advance`.
+    Tell {
+        /// Which.
+        fields: Vec<Field>,
+    },
 }
 
 /// Engine → coupler.
@@ -198,6 +210,11 @@ pub enum ToCoupler {
     /// Instead of any answer; the engine leaves afterwards unless it was an `Advance`
     /// (the coupler may then try a smaller step or finish).
     Failed(Failure),
+    /// Answer to `Tell`; the fields follow.
+    Told {
+        /// The fields that follow.
+        fields: Vec<Field>,
+    },
 }
 
 /// Coupler → orchestrator.

@@ -29,6 +29,8 @@ pub struct Partner {
     counts: Counts,
     step: u64,
     pass: u32,
+    /// End of the step asked for last \[s\].
+    end: f64,
     finished: bool,
 }
 
@@ -83,6 +85,7 @@ impl Partner {
             counts: Counts::default(),
             step: 0,
             pass: 0,
+            end: 0.0,
             finished: false,
         })
     }
@@ -227,12 +230,55 @@ impl Partner {
             other => return Err(unexpected(self.seat(), self.step, &other, "Done")),
         };
         self.check_done(&done, outputs)?;
+        self.end = request.time + request.dt;
+        self.take(&done.fields, outputs, wait)?;
+        Ok(done)
+    }
+
+    /// Does the engine keep fields back until they are asked for?
+    pub fn may_withhold(&self) -> bool {
+        let able = &self.hello.capabilities;
+        able.contains(&Capability::FieldsOnRequest)
+    }
+
+    /// Let the engine leave these fields out of its candidates; only one that
+    /// [may](Partner::may_withhold) understands it.
+    pub fn withhold(&mut self, fields: &[Field]) -> Result<(), Error> {
+        let fields = fields.to_vec();
+        self.send(&ToEngine::Withhold { fields })
+    }
+
+    /// Ask for withheld fields of the accepted state: after a commit, before the next `advance`.
+    pub fn tell(&mut self, outputs: &mut [(Field, &mut Vec<f64>)]) -> Result<(), Error> {
+        let wanted: Vec<Field> = outputs.iter().map(|(field, _)| *field).collect();
+        self.send(&ToEngine::Tell {
+            fields: wanted.clone(),
+        })?;
+        let wait = Wait::new(self.step, "Told", seconds(self.limits.step));
+        match self.answer(wait)? {
+            ToCoupler::Told { fields } if fields == wanted => self.take(&fields, outputs, wait),
+            ToCoupler::Told { fields } => {
+                let why = format!("{fields:?}, asked for were {wanted:?}");
+                Err(Error::invalid(self.seat(), self.step, "Told", why))
+            }
+            other => Err(unexpected(self.seat(), self.step, &other, "Told")),
+        }
+    }
+
+    /// Receive the fields of a candidate; those that nobody asked for are dropped.
+    fn take(
+        &mut self,
+        fields: &[Field],
+        outputs: &mut [(Field, &mut Vec<f64>)],
+        wait: Wait<'_>,
+    ) -> Result<(), Error> {
         let answered = Moment {
+            step: self.step,
+            pass: self.pass,
             stage: Stage::Done,
-            time: request.time + request.dt,
-            ..given
+            time: self.end,
         };
-        for &field in &done.fields {
+        for &field in fields {
             let received = self
                 .counts
                 .receive(&mut *self.channel, field, answered, wait)?;
@@ -241,7 +287,7 @@ impl Partner {
                 output.extend_from_slice(received.values());
             }
         }
-        Ok(done)
+        Ok(())
     }
 
     /// Accept the last candidate of this step.
@@ -457,6 +503,7 @@ fn unexpected(who: &str, step: u64, message: &ToCoupler, expected: &str) -> Erro
         ToCoupler::Done(_) => "Done",
         ToCoupler::Stored => "Stored",
         ToCoupler::Failed(_) => "Failed",
+        ToCoupler::Told { .. } => "Told",
     };
     Error::invalid(
         who,

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use crate::channel::Loan;
 use crate::configure::{FluidScene, ParticleScene};
 use crate::engine::{
     FluidAnswer, FluidEngine, FluidForces, GrainAnswer, ParticleEngine, SolidResponse,
@@ -102,7 +101,7 @@ impl<E: FluidEngine> Seat for FluidSeat<'_, E> {
         &mut self,
         request: &Advance,
         inputs: &[(Field, &[f64])],
-        outputs: &mut [Box<dyn Loan>],
+        outputs: &mut [&mut [f64]],
     ) -> Result<Vec<Diagnostic>, Failure> {
         let solid = SolidResponse {
             porosity: find(inputs, Field::Porosity),
@@ -117,9 +116,9 @@ impl<E: FluidEngine> Seat for FluidSeat<'_, E> {
             return Err(Failure::new(FailureKind::Engine, "three outputs expected"));
         };
         let answer = FluidAnswer {
-            interstitial_velocity: velocity.values(),
-            pressure_gradient: gradient.values(),
-            pressure: pressure.values(),
+            interstitial_velocity: velocity,
+            pressure_gradient: gradient,
+            pressure,
         };
         self.0.advance(request, &solid, answer)
     }
@@ -195,7 +194,7 @@ impl<E: ParticleEngine> Seat for ParticleSeat<'_, E> {
         &mut self,
         request: &Advance,
         inputs: &[(Field, &[f64])],
-        outputs: &mut [Box<dyn Loan>],
+        outputs: &mut [&mut [f64]],
     ) -> Result<Vec<Diagnostic>, Failure> {
         let fluid = FluidForces {
             drag: find(inputs, Field::GrainDrag),
@@ -206,10 +205,10 @@ impl<E: ParticleEngine> Seat for ParticleSeat<'_, E> {
             return Err(Failure::new(FailureKind::Engine, "four outputs expected"));
         };
         let answer = GrainAnswer {
-            position: position.values(),
-            velocity: velocity.values(),
-            mean_velocity: mean_velocity.values(),
-            contact: contact.values(),
+            position,
+            velocity,
+            mean_velocity,
+            contact,
         };
         self.0.advance(request, &fluid, answer)
     }

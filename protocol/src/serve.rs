@@ -44,7 +44,7 @@ pub(crate) trait Seat {
         &mut self,
         request: &Advance,
         inputs: &[(Field, &[f64])],
-        outputs: &mut [Box<dyn Loan>],
+        outputs: &mut [&mut [f64]],
     ) -> Result<Vec<Diagnostic>, Failure>;
     fn commit(&mut self) -> Result<(), Failure>;
     fn save(&mut self, path: &Path) -> Result<(), Failure>;
@@ -113,7 +113,23 @@ pub(crate) struct Session {
     configured: bool,
     committed: Option<u64>,
     candidate: Option<u64>,
+    withheld: Withheld,
     cost: Cost,
+}
+
+/// Fields of a candidate that are sent when they are asked for, and not with `Done`.
+#[derive(Default)]
+struct Withheld {
+    /// Each with its numbers, those of the last candidate.
+    fields: Vec<(Field, Vec<f64>)>,
+    /// When that was; none before the first.
+    moment: Option<Moment>,
+}
+
+impl Withheld {
+    fn has(&self, field: Field) -> bool {
+        self.fields.iter().any(|&(withheld, _)| withheld == field)
+    }
 }
 
 /// What this process has spent since the last `Commit`.
@@ -161,6 +177,7 @@ impl Session {
             configured: false,
             committed: None,
             candidate: None,
+            withheld: Withheld::default(),
             cost: Cost::from_now(),
         }
     }
@@ -279,7 +296,7 @@ fn serve<S: Seat>(seat: &mut S, link: Box<dyn Channel>) -> Result<(), Error> {
         version: version.to_owned(),
         protocol: PROTOCOL_VERSION,
         process: std::process::id(),
-        capabilities: seat.capabilities(),
+        capabilities: [seat.capabilities(), vec![Capability::FieldsOnRequest]].concat(),
     })?;
     loop {
         let message = session.receive(session.idle)?;
@@ -329,10 +346,52 @@ fn handle<S: Seat>(seat: &mut S, session: &mut Session, message: ToEngine) -> Re
         ToEngine::Restore { path } => {
             guarded(|| seat.restore(Path::new(&path))).map_err(fatal)?;
             (session.committed, session.candidate) = (None, None);
+            session.withheld.moment = None;
             session.send(&ToCoupler::Stored)?;
         }
+        ToEngine::Withhold { fields } => withhold::<S>(session, &fields)?,
+        ToEngine::Tell { fields } => tell(session, fields)?,
         ToEngine::Finish => {}
     }
+    Ok(())
+}
+
+fn withhold<S: Seat>(session: &mut Session, fields: &[Field]) -> Result<(), Trouble> {
+    for (place, field) in fields.iter().enumerate() {
+        if !S::ANSWER.contains(field) || fields[..place].contains(field) {
+            return Err(out_of_order(format!(
+                "Withhold of {}, which is named twice or is not of a candidate",
+                field.name()
+            )));
+        }
+    }
+    session.withheld = Withheld {
+        fields: fields.iter().map(|&field| (field, Vec::new())).collect(),
+        moment: None,
+    };
+    Ok(())
+}
+
+/// Send what was kept of the accepted state.
+fn tell(session: &mut Session, fields: Vec<Field>) -> Result<(), Trouble> {
+    let accepted = session
+        .withheld
+        .moment
+        .filter(|_| session.candidate.is_none());
+    let Some(moment) = accepted else {
+        return Err(out_of_order("Tell without an accepted step".to_owned()));
+    };
+    let kept = &session.withheld.fields;
+    for &field in &fields {
+        let Some((_, values)) = kept.iter().find(|&&(withheld, _)| withheld == field) else {
+            let why = format!("Tell of {}, which is not withheld", field.name());
+            return Err(out_of_order(why));
+        };
+        session
+            .counts
+            .send(&mut *session.channel, field, moment, values)?;
+    }
+    session.send(&ToCoupler::Told { fields })?;
     Ok(())
 }
 
@@ -366,24 +425,35 @@ fn advance<S: Seat>(seat: &mut S, session: &mut Session, request: &Advance) -> R
         time: request.time + request.dt,
         ..given
     };
-    let mut outputs = Vec::with_capacity(S::ANSWER.len());
+    let (withheld, channel) = (&mut session.withheld, &mut *session.channel);
+    withheld.moment = None;
+    let mut fields = Vec::with_capacity(S::ANSWER.len());
+    let mut loans = Vec::with_capacity(S::ANSWER.len());
     for &field in S::ANSWER {
-        outputs.push(
-            session
-                .channel
-                .loan_field(field, session.counts.expect(field, answered).header())?,
-        );
+        if !withheld.has(field) {
+            let header = session.counts.expect(field, answered).header();
+            loans.push(channel.loan_field(field, header)?);
+            fields.push(field);
+        }
+    }
+    for (field, values) in &mut withheld.fields {
+        values.clear();
+        values.resize(session.counts.expect(*field, answered).count(), f64::NAN);
     }
     let begin = Instant::now();
-    let result = guarded(|| seat.advance(request, &inputs, &mut outputs));
+    let result = guarded(|| {
+        let mut outputs = in_order(S::ANSWER, &fields, &mut loans, &mut withheld.fields);
+        seat.advance(request, &inputs, &mut outputs)
+    });
     session.cost.wall += begin.elapsed().as_secs_f64();
     let mut diagnostics = result?;
     session.cost.add_to(&mut diagnostics);
-    for output in outputs {
-        output.send()?;
+    for loan in loans {
+        loan.send()?;
     }
+    withheld.moment = Some(answered);
     session.candidate = Some(request.step);
-    let (step, pass, fields) = (request.step, request.pass, S::ANSWER.to_vec());
+    let (step, pass) = (request.step, request.pass);
     session.send(&ToCoupler::Done(Done {
         step,
         pass,
@@ -391,6 +461,23 @@ fn advance<S: Seat>(seat: &mut S, session: &mut Session, request: &Advance) -> R
         diagnostics,
     }))?;
     Ok(())
+}
+
+/// Where the engine writes each field of a candidate: into the transport, or into what is kept.
+fn in_order<'a>(
+    answer: &[Field],
+    sent: &[Field],
+    loans: &'a mut [Box<dyn Loan>],
+    kept: &'a mut [(Field, Vec<f64>)],
+) -> Vec<&'a mut [f64]> {
+    let loans = loans.iter_mut().map(|loan| loan.values());
+    let kept = kept
+        .iter_mut()
+        .map(|(field, values)| (*field, values.as_mut_slice()));
+    let mut outputs: Vec<(Field, &mut [f64])> =
+        sent.iter().copied().zip(loans).chain(kept).collect();
+    outputs.sort_by_key(|(field, _)| answer.iter().position(|own| own == field));
+    outputs.into_iter().map(|(_, values)| values).collect()
 }
 
 /// Answer everything with the failure until the coupler says Finish, leaves, or time is up.
@@ -405,7 +492,7 @@ fn last_words(session: &mut Session, failure: Failure) -> Error {
     while session.send(&answer).is_ok() {
         loop {
             match session.receive(wait.left()) {
-                Ok(ToEngine::Commit { .. }) => {}
+                Ok(ToEngine::Commit { .. } | ToEngine::Withhold { .. }) => {}
                 Ok(ToEngine::Finish) | Err(_) => return error,
                 Ok(_) => break,
             }

@@ -118,6 +118,7 @@ pub fn scene(
         gravity: gravity.unwrap_or([0.0, 0.0]),
         fluid,
         particles,
+        grains_stay: false,
         grains_file: None,
         scheme: Scheme::Iterated {
             tolerance: 1e-3,
@@ -177,6 +178,12 @@ pub fn couple_recorded(
         .is_some()
         .then(|| engine(Role::Particles, recorder));
     Coupling::new(scene, fluid, particles, grains).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Nodal pressure of the accepted state \[Pa\].
+pub fn pressure(coupling: &mut Coupling) -> Vec<f64> {
+    let seat = coupling.fluid.as_mut().expect("a fluid");
+    seat.pressure().expect("the engine tells it").to_vec()
 }
 
 /// Mean of one component of an interleaved field.

@@ -58,6 +58,14 @@ impl Case {
                 .advance(self.scene.coupling_step)
                 .unwrap_or_else(|error| panic!("{} step {step}: {error}", self.name));
         }
+        // as for a state that is put out
+        let told = coupling
+            .fluid
+            .as_mut()
+            .map(|seat| seat.pressure().map(drop));
+        told.unwrap_or(Ok(()))
+            .and_then(|()| coupling.contact_states().map(drop))
+            .unwrap_or_else(|error| panic!("{}: {error}", self.name));
         drop(coupling);
         Ok(recorder.finish(0))
     }

@@ -59,6 +59,32 @@ fn nobody_links_an_engine_and_only_one_file_of_an_engine_names_the_protocol() {
     }
 }
 
+/// The orchestrator links no engine and tells their bounds from its own copies.
+#[test]
+fn the_bounds_that_a_plan_tells_are_those_of_the_engines() {
+    use orchestration::plan::choices;
+    for (what, told, own) in [
+        (
+            "Reynolds number below which convection is left out",
+            choices::CREEPING_REYNOLDS,
+            fluid_solver::config::CREEPING_REYNOLDS,
+        ),
+        (
+            "spare reach of a search for contacts",
+            choices::SPARE,
+            particle_solver::neighbours::SPARE,
+        ),
+        (
+            "grain diameter over cell size up to which the transfer is lumped",
+            choices::LUMPED_RATIO_MAX,
+            coupler::coupling::LUMPED_RATIO_MAX,
+        ),
+    ] {
+        println!("{what}: {told}");
+        assert_eq!(told, own, "{what}");
+    }
+}
+
 fn files_naming_the_protocol(folder: &str) -> Vec<String> {
     let mut naming = Vec::new();
     for entry in std::fs::read_dir(folder).expect("a folder") {

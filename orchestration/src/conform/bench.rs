@@ -108,6 +108,39 @@ impl<'a> Bench<'a> {
 
     /// One `Advance`, which must be answered by a candidate.
     pub fn advance(&mut self, request: &Advance, inputs: &Inputs) -> Result<Candidate, String> {
+        self.advance_without(request, inputs, &[])
+    }
+
+    /// The usual `Advance` to `step`, whose answer must not have these fields.
+    pub fn step_without(
+        &mut self,
+        step: u64,
+        variant: u32,
+        withheld: &[Field],
+    ) -> Result<Candidate, String> {
+        let inputs = self.inputs(variant);
+        self.advance_without(&self.case.request(step, 0), &inputs, withheld)
+    }
+
+    /// `Tell`, which must bring these fields.
+    pub fn tell(&mut self, fields: &[Field]) -> Result<Candidate, String> {
+        let mut answer: Vec<(Field, Vec<f64>)> =
+            fields.iter().map(|&field| (field, Vec::new())).collect();
+        let mut outputs: Vec<(Field, &mut Vec<f64>)> = answer
+            .iter_mut()
+            .map(|(field, values)| (*field, values))
+            .collect();
+        let told = self.partner.tell(&mut outputs);
+        told.map_err(|error| format!("Tell: {}", self.explain(&error)))?;
+        Ok(Candidate(answer))
+    }
+
+    fn advance_without(
+        &mut self,
+        request: &Advance,
+        inputs: &Inputs,
+        withheld: &[Field],
+    ) -> Result<Candidate, String> {
         let given: Vec<(Field, &[f64])> = inputs
             .iter()
             .map(|(field, values)| (*field, values.as_slice()))
@@ -116,6 +149,7 @@ impl<'a> Bench<'a> {
             .case
             .answer()
             .iter()
+            .filter(|field| !withheld.contains(field))
             .map(|&field| (field, Vec::new()))
             .collect();
         let mut outputs: Vec<(Field, &mut Vec<f64>)> = answer
@@ -123,10 +157,16 @@ impl<'a> Bench<'a> {
             .map(|(field, values)| (*field, values))
             .collect();
         let done = self.partner.advance(request, &given, &mut outputs);
-        done.map_err(|error| {
+        let done = done.map_err(|error| {
             let place = format!("Advance to step {}, pass {}", request.step, request.pass);
             format!("{place}: {}", self.explain(&error))
         })?;
+        if let Some(field) = withheld.iter().find(|field| done.fields.contains(field)) {
+            return Err(format!(
+                "{} is withheld and comes all the same",
+                field.name()
+            ));
+        }
         Ok(Candidate(answer))
     }
 
@@ -306,6 +346,7 @@ fn name(message: &ToCoupler) -> &'static str {
         ToCoupler::Done(_) => "Done",
         ToCoupler::Stored => "Stored",
         ToCoupler::Failed(_) => "Failed",
+        ToCoupler::Told { .. } => "Told",
     }
 }
 
@@ -316,9 +357,10 @@ impl Candidate {
         found.map_or(&[], |(_, values)| values.as_slice())
     }
 
-    /// Require the same bits.
+    /// Require the same bits in all fields of the other.
     pub fn must_equal(&self, other: &Candidate, which: &str) -> Result<(), String> {
-        for ((field, ours), (_, theirs)) in self.0.iter().zip(&other.0) {
+        for (field, theirs) in &other.0 {
+            let ours = self.field(*field);
             if ours.len() != theirs.len() {
                 let (name, one, two) = (field.name(), ours.len(), theirs.len());
                 return Err(format!("{which}: {name} has {one} numbers, then {two}"));

@@ -94,7 +94,7 @@ fn hello(case: &Case) -> Result<(), Trouble> {
         let foreign = match capability {
             Capability::AffineResponse | Capability::ConvectionAsNeeded => case.role != Role::Fluid,
             Capability::ImplicitDrag | Capability::ContactState => case.role != Role::Particles,
-            Capability::Checkpoint => false,
+            Capability::Checkpoint | Capability::FieldsOnRequest => false,
         };
         if foreign || hello.capabilities[..place].contains(capability) {
             let why = format!("it declares {capability:?} twice or in the wrong seat");

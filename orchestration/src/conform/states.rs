@@ -56,6 +56,12 @@ pub(super) const CHECKS: &[Check] = &[
         checkpoint,
     ),
     Check::new(
+        "withheld",
+        "a field that is withheld stays away, and Tell brings the bits of the accepted state",
+        REPEATABLE,
+        withheld,
+    ),
+    Check::new(
         "bad-checkpoint",
         "Restore of a file that is missing or is none is answered by Failed",
         ANSWERS,
@@ -242,6 +248,37 @@ fn compare(one: &[Candidate; 2], two: &[Candidate; 2], where_from: &str) -> Resu
     for (place, (one, two)) in one.iter().zip(two).enumerate() {
         one.must_equal(two, &format!("step {} saved and {where_from}", place + 4))?;
     }
+    Ok(())
+}
+
+fn withheld(case: &Case) -> Result<(), Trouble> {
+    let mut bench = Bench::ready(case)?;
+    if !bench.partner.may_withhold() {
+        let why = "it does not declare FieldsOnRequest";
+        return Err(Trouble::Skipped(why.to_owned()));
+    }
+    let mut always = Vec::new();
+    for step in 1..=2 {
+        always.push(bench.step(step, 1)?);
+        bench.commit(step)?;
+    }
+    let mut bench = Bench::ready(case)?;
+    let last = case.answer().last().copied().into_iter();
+    let fields: Vec<Field> = last.collect();
+    let withheld = bench.partner.withhold(&fields);
+    withheld.map_err(|error| bench.explain(&error))?;
+    for (step, always) in (1..).zip(&always) {
+        let rest = bench.step_without(step, 1, &fields)?;
+        bench.commit(step)?;
+        let told = bench.tell(&fields)?;
+        always.must_equal(&rest, &format!("step {step} with a field withheld"))?;
+        always.must_equal(&told, &format!("Tell after step {step}"))?;
+    }
+    bench.step_without(3, 1, &fields)?;
+    bench.send(&ToEngine::Tell { fields })?;
+    let to = "Tell of a candidate that is not accepted";
+    let failure = bench.must_fail(to)?;
+    bench.must_leave_broken(failure.kind.exit_code(), to)?;
     Ok(())
 }
 

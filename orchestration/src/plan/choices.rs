@@ -7,17 +7,21 @@
 use std::fmt;
 
 use protocol::configure::{Boundary, Convection, MeshSource, Scheme, Wall};
+use protocol::field::Field;
 use serde::Serialize;
 
 use super::cost::Cost;
 use crate::scene::Scene;
 
 /// Reynolds number below which the built-in fluid leaves convection out (fluid-solver/src/creeping.rs).
-const CREEPING_REYNOLDS: f64 = 1e-3;
+pub const CREEPING_REYNOLDS: f64 = 1e-3;
 /// Deposited fields keep the lumped mass up to this ratio of grain diameter to cell size.
-const LUMPED_RATIO_MAX: f64 = 0.25;
+pub const LUMPED_RATIO_MAX: f64 = 0.25;
 /// Reach of a kept search beyond the radius, of the radius (particle-solver/src/neighbours.rs).
-const SPARE: f64 = 0.4;
+pub const SPARE: f64 = 0.4;
+
+/// Why nothing of the particle engine is needed.
+const NO_PROCESS: &str = "every grain is fixed: there is no particle process";
 
 /// One choice.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -88,7 +92,7 @@ pub fn choices(scene: &Scene) -> Vec<Choice> {
     }));
     choices.extend(passes(scene));
     choices.extend(sub_steps(scene));
-    choices.extend(fields(scene));
+    choices.push(fields(scene));
     choices.push(output(scene));
     choices
 }
@@ -166,6 +170,9 @@ fn reynolds(scene: &Scene) -> f64 {
 
 fn contacts(scene: &Scene, cost: &Cost) -> Option<Choice> {
     scene.coupler.particles.as_ref()?;
+    if scene.coupler.grains_stay {
+        return Some(plain("contacts", "left out", NO_PROCESS));
+    }
     if scene.engines.particles.is_some() {
         let reason = "the engine of this scene searches as it likes";
         return Some(plain("contacts", "up to the engine", reason));
@@ -174,8 +181,14 @@ fn contacts(scene: &Scene, cost: &Cost) -> Option<Choice> {
         let reason = "run.leave_out = false";
         return Some(plain("contacts", "searched for in every sub-step", reason));
     }
-    let fixed = scene.grains.fixed.iter().all(|&fixed| fixed);
-    if fixed {
+    if scene.grains.len() == 1 {
+        return Some(plain(
+            "contacts between grains",
+            "left out",
+            "there is one grain",
+        ));
+    }
+    if scene.grains.all_fixed() {
         let reason = "no grain moves";
         return Some(Choice {
             saves: Some(cost.share(cost.search)),
@@ -223,6 +236,9 @@ fn smallest_gap(scene: &Scene) -> Option<f64> {
 
 fn walls(scene: &Scene) -> Option<Choice> {
     let part = scene.coupler.particles.as_ref()?;
+    if scene.coupler.grains_stay {
+        return Some(plain("walls", "left out", NO_PROCESS));
+    }
     if part.walls.is_empty() {
         return Some(plain(
             "walls",
@@ -256,6 +272,9 @@ fn walls(scene: &Scene) -> Option<Choice> {
 
 fn friction(scene: &Scene) -> Option<Choice> {
     let part = scene.coupler.particles.as_ref()?;
+    if scene.coupler.grains_stay {
+        return None;
+    }
     Some(if part.friction == 0.0 && part.wall_friction == 0.0 {
         plain(
             "friction",
@@ -332,6 +351,9 @@ fn passes(scene: &Scene) -> Option<Choice> {
 
 fn sub_steps(scene: &Scene) -> Option<Choice> {
     let part = scene.coupler.particles.as_ref()?;
+    if scene.coupler.grains_stay {
+        return None;
+    }
     Some(Choice {
         watched: true,
         ..plain(
@@ -345,15 +367,48 @@ fn sub_steps(scene: &Scene) -> Option<Choice> {
     })
 }
 
-fn fields(scene: &Scene) -> Option<Choice> {
-    scene.coupler.fluid.as_ref()?;
-    Some(plain(
-        "fields",
-        "all that say something, with every pass",
-        "solid flux, entrained fraction and mobility stay away while they are zero everywhere, as in a \
-         bed of fixed grains; the pressure always comes, because version 1 of the protocol has no way \
-         to ask for it only when a state is put out",
-    ))
+/// Fields of engines that do not come with every candidate: those of states that are put out, and those
+/// that nobody reads.
+pub fn withheld(scene: &Scene) -> (Vec<Field>, Vec<Field>) {
+    let coupler = &scene.coupler;
+    let (fluid, grains) = (coupler.fluid.is_some(), coupler.particles.is_some());
+    let felt = fluid && grains && coupler.reaction;
+    let (mut put_out, mut unread) = (Vec::new(), Vec::new());
+    if scene.leave_out && fluid {
+        put_out.push(Field::Pressure);
+    }
+    if scene.leave_out && fluid && !grains {
+        unread.push(Field::PressureGradient);
+    }
+    if scene.leave_out && grains && !felt && !coupler.grains_stay {
+        put_out.push(Field::GrainContact);
+    }
+    (put_out, unread)
+}
+
+fn fields(scene: &Scene) -> Choice {
+    const PART: &str = "fields";
+    if !scene.leave_out {
+        return plain(PART, "all, with every pass", "run.leave_out = false");
+    }
+    let names = |fields: &[Field]| {
+        fields
+            .iter()
+            .map(|field| field.name())
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let (put_out, unread) = withheld(scene);
+    let mut reason = format!("{} with a state that is put out", names(&put_out));
+    if !unread.is_empty() {
+        reason += &format!("; {} never: no grain reads it", names(&unread));
+    }
+    if scene.coupler.fluid.is_some() && scene.coupler.particles.is_some() && scene.coupler.reaction
+    {
+        reason +=
+            "; solid flux, entrained fraction and mobility not while they are zero everywhere";
+    }
+    plain(PART, "sent when they are read", reason)
 }
 
 fn output(scene: &Scene) -> Choice {

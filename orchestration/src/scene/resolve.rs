@@ -47,7 +47,11 @@ pub fn resolve(
     };
     let particles =
         (!keys.grains.is_empty()).then(|| particle_part(&keys, walls, room.as_ref(), threads));
-    let coupler = coupler_part(&keys, fluid, particles);
+    let mut coupler = coupler_part(&keys, fluid, particles);
+    coupler.grains_stay = keys.run.leave_out
+        && coupler.fluid.is_some()
+        && keys.engines.particles.is_none()
+        && table.all_fixed();
     Scene {
         name: document.name(),
         folder,
@@ -185,6 +189,7 @@ fn coupler_part(
         coupling_step: keys.run.coupling_step,
         adaptive: coupling.adaptive,
         gravity: keys.gravity.acceleration,
+        grains_stay: false,
         grains_file: particles.is_some().then(|| GRAINS_FILE.to_string()),
         fluid,
         particles,

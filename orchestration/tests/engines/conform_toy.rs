@@ -50,11 +50,17 @@ struct History {
     smallest: f64,
 }
 
+/// Fields of a candidate.
+type Answer = Vec<(Field, Vec<f64>)>;
+
 struct Toy {
     link: Box<dyn Channel>,
     fault: String,
     accepted: InitialGrains,
     candidate: Option<(u64, InitialGrains)>,
+    withheld: Vec<Field>,
+    /// The last request, and its answer.
+    kept: Option<(Advance, Answer)>,
     committed: Option<u64>,
     configured: bool,
     history: History,
@@ -99,6 +105,8 @@ fn serve(run: &RunSpace, fault: &str) -> Result<(), Error> {
         fault: fault.to_owned(),
         accepted: InitialGrains::default(),
         candidate: None,
+        withheld: Vec::new(),
+        kept: None,
         committed: None,
         configured: false,
         history: History::default(),
@@ -134,7 +142,11 @@ impl Toy {
             version: version.to_owned(),
             protocol: PROTOCOL_VERSION,
             process: std::process::id(),
-            capabilities: vec![Capability::ImplicitDrag, Capability::Checkpoint],
+            capabilities: vec![
+                Capability::ImplicitDrag,
+                Capability::Checkpoint,
+                Capability::FieldsOnRequest,
+            ],
         });
         let wait = Wait::new(0, "an ear", seconds("SILLAGE_CONNECT_LIMIT", 60.0));
         while !self.send(&hello)? {
@@ -245,6 +257,11 @@ impl Toy {
             }
             ToEngine::Restore { path } => self.restore(&path).map(Some),
             ToEngine::Finish => Ok(None),
+            ToEngine::Withhold { fields } => {
+                self.withheld = fields;
+                Ok(None)
+            }
+            ToEngine::Tell { fields } => self.tell(fields).map(Some),
         }
     }
 
@@ -419,20 +436,23 @@ impl Toy {
         if self.is("advance") {
             mean.iter_mut().for_each(|v| *v *= 0.5);
         }
-        let fields = [
+        let fields: Answer = vec![
             (Field::GrainPosition, new.position.clone()),
             (Field::GrainVelocity, new.velocity.clone()),
             (Field::GrainMeanVelocity, mean),
             (Field::GrainContact, vec![0.0; count]),
         ];
-        for (field, values) in &fields {
-            let header = FieldHeader {
-                time: request.time + request.dt,
-                ..at(*field, request, count, Stage::Done).header()
-            };
-            match self.link.send_field(*field, header, values) {
+        let sent = |(field, _): &&(Field, Vec<f64>)| !self.withheld.contains(field);
+        let sent: Vec<Field> = fields
+            .iter()
+            .filter(sent)
+            .map(|(field, _)| *field)
+            .collect();
+        self.kept = Some((request.clone(), fields));
+        for field in &sent {
+            match self.send_kept(*field) {
                 // The refusal of a number that is not finite is the coupler's then.
-                Err(error) if !self.is("death-within-advance") => return Err(error.into()),
+                Err(error) if !self.is("death-within-advance") => return Err(error),
                 _ => {}
             }
         }
@@ -441,9 +461,30 @@ impl Toy {
         Ok(ToCoupler::Done(Done {
             step,
             pass,
-            fields: fields.map(|(field, _)| field).to_vec(),
+            fields: sent,
             diagnostics: Vec::new(),
         }))
+    }
+
+    fn send_kept(&mut self, field: Field) -> Result<(), Trouble> {
+        let (request, fields) = self.kept.as_ref().ok_or_else(|| broken("no candidate"))?;
+        let (count, time) = (self.accepted.radius.len(), request.time + request.dt);
+        let header = at(field, request, count, Stage::Done).header();
+        let own = fields.iter().find(|(kept, _)| *kept == field);
+        let (_, values) = own.ok_or_else(|| broken("not of a candidate"))?;
+        let header = FieldHeader { time, ..header };
+        Ok(self.link.send_field(field, header, values)?)
+    }
+
+    fn tell(&mut self, fields: Vec<Field>) -> Result<ToCoupler, Trouble> {
+        let accepted = self.candidate.is_none() || self.is("withheld");
+        if !accepted || fields.iter().any(|field| !self.withheld.contains(field)) {
+            return Err(broken(format!("Tell of {fields:?} at the wrong moment")));
+        }
+        for field in &fields {
+            self.send_kept(*field)?;
+        }
+        Ok(ToCoupler::Told { fields })
     }
 
     fn commit(&mut self, step: u64) -> Result<(), Trouble> {

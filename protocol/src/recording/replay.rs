@@ -82,6 +82,7 @@ pub fn replay(
         inputs: Vec::new(),
         answers: Vec::new(),
         failed: None,
+        withheld: Vec::new(),
         report: Report::default(),
     };
     player.report.replayed = Some(player.partner.hello().clone());
@@ -107,6 +108,8 @@ struct Player<'a, F> {
     answers: Vec<(Field, Vec<f64>)>,
     /// Why it did not.
     failed: Option<String>,
+    /// What it was told to keep back.
+    withheld: Vec<Field>,
     report: Report,
 }
 
@@ -176,6 +179,16 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
                 }
                 .into());
             }
+            // One that keeps nothing back has sent it all with its candidate.
+            ToEngine::Withhold { fields } if self.partner.may_withhold() => {
+                self.partner.withhold(&fields)?;
+                self.withheld = fields;
+            }
+            ToEngine::Tell { fields } if self.partner.may_withhold() => {
+                self.answers = fields.iter().map(|&field| (field, Vec::new())).collect();
+                self.partner.tell(&mut outputs(&mut self.answers))?;
+            }
+            ToEngine::Withhold { .. } | ToEngine::Tell { .. } => {}
             ToEngine::Save { .. } | ToEngine::Finish => {}
         }
         Ok(())
@@ -194,17 +207,16 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
             Role::Fluid => &FROM_FLUID,
             Role::Particles => &FROM_PARTICLES,
         };
-        self.answers = wanted.iter().map(|&field| (field, Vec::new())).collect();
-        let mut outputs: Vec<(Field, &mut Vec<f64>)> = self
-            .answers
-            .iter_mut()
-            .map(|(field, values)| (*field, values))
-            .collect();
+        let sent = wanted.iter().filter(|field| !self.withheld.contains(field));
+        self.answers = sent.map(|&field| (field, Vec::new())).collect();
         let inputs: Vec<(Field, &[f64])> = inputs
             .iter()
             .map(|(field, values)| (*field, values.as_slice()))
             .collect();
-        match self.partner.advance(request, &inputs, &mut outputs) {
+        match self
+            .partner
+            .advance(request, &inputs, &mut outputs(&mut self.answers))
+        {
             Ok(_) => self.failed = None,
             Err(Error::Engine { failure, .. }) => self.failed = Some(failure.why),
             Err(error @ (Error::NotFinite { .. } | Error::Invalid { .. })) => {
@@ -230,7 +242,7 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
                 self.stop(key, why);
             }
             (ToCoupler::Failed(_), _) => self.report.answers += 1,
-            (ToCoupler::Ready(_) | ToCoupler::Stored, _) => {}
+            (ToCoupler::Ready(_) | ToCoupler::Stored | ToCoupler::Told { .. }, _) => {}
         }
     }
 
@@ -254,6 +266,11 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
             self.stop(key, why);
         }
     }
+}
+
+fn outputs(answers: &mut [(Field, Vec<f64>)]) -> Vec<(Field, &mut Vec<f64>)> {
+    let fields = answers.iter_mut();
+    fields.map(|(field, values)| (*field, values)).collect()
 }
 
 fn is_input(stage: u32) -> bool {

@@ -24,6 +24,12 @@ fn messages() -> Vec<ToEngine> {
             path: "state.bin".to_owned(),
         },
         ToEngine::Finish,
+        ToEngine::Withhold {
+            fields: vec![Field::Pressure],
+        },
+        ToEngine::Tell {
+            fields: vec![Field::Pressure],
+        },
     ]
 }
 
@@ -93,7 +99,7 @@ fn hostile_lengths_are_refused_without_allocating() {
 
 #[test]
 fn unknown_tags_and_arbitrary_bytes_are_refused_without_panic() {
-    assert!(decode::<ToEngine>(&[6]).is_err());
+    assert!(decode::<ToEngine>(&[8]).is_err());
     assert!(decode::<ToCoupler>(&[250]).is_err());
     let mut state = 1_u64;
     for _ in 0..20_000 {

@@ -120,6 +120,106 @@ fn a_second_advance_before_commit_starts_from_the_accepted_state() {
 }
 
 #[test]
+fn a_field_that_is_withheld_comes_when_it_is_asked_for_with_the_same_bits() {
+    let run = |withhold: bool| -> Vec<u64> {
+        let mut fluid = spawn_fluid(|| ToyFluid::new(Fault::None)).unwrap();
+        fluid.configure_fluid(&toy::fluid_scene(3)).unwrap();
+        assert!(fluid.may_withhold());
+        if withhold {
+            fluid.withhold(&[Field::Pressure]).unwrap();
+        }
+        let mut bits = Vec::new();
+        for step in 1..=3 {
+            let (mut velocity, mut pressure) = (Vec::new(), Vec::new());
+            for pass in 0..2 {
+                let mut outputs = vec![
+                    (Field::InterstitialVelocity, &mut velocity),
+                    (Field::Pressure, &mut pressure),
+                ];
+                outputs.truncate(if withhold { 1 } else { 2 });
+                let done = fluid
+                    .advance(&toy::request(step, pass), &[], &mut outputs)
+                    .unwrap();
+                assert_eq!(done.fields.contains(&Field::Pressure), !withhold);
+            }
+            fluid.commit(step).unwrap();
+            // not in every step, and more than once
+            for _ in 0..if withhold { step - 1 } else { 0 } {
+                let mut outputs = [(Field::Pressure, &mut pressure)];
+                fluid.tell(&mut outputs).unwrap();
+            }
+            if step > 1 {
+                bits.extend(velocity.iter().chain(&pressure).map(|x| x.to_bits()));
+            }
+        }
+        fluid.finish().unwrap();
+        bits
+    };
+    let (always, asked) = (run(false), run(true));
+    assert_eq!(always.len(), 2 * 3 * 8);
+    assert_eq!(always, asked);
+}
+
+#[test]
+fn a_withheld_field_that_the_engine_forgot_is_refused_when_it_is_told() {
+    let mut fluid = spawn_fluid(|| ToyFluid::new(Fault::Forgets)).unwrap();
+    fluid.configure_fluid(&toy::fluid_scene(3)).unwrap();
+    fluid.withhold(&[Field::InterstitialVelocity]).unwrap();
+    let mut velocity = Vec::new();
+    for step in 1..=2 {
+        let request = toy::request(step, 0);
+        fluid.advance(&request, &[], &mut []).unwrap();
+        fluid.commit(step).unwrap();
+    }
+    let error = fluid
+        .tell(&mut [(Field::InterstitialVelocity, &mut velocity)])
+        .unwrap_err();
+    println!("{error}");
+    assert!(matches!(error, Error::NotFinite { .. }));
+}
+
+#[test]
+fn tell_and_withhold_at_the_wrong_moment_are_out_of_order() {
+    type Wrong = fn(&mut Partner) -> Result<(), Error>;
+    let tell: Wrong = |fluid| fluid.tell(&mut [(Field::Pressure, &mut Vec::new())]);
+    let advance: Wrong = |fluid| fluid.advance(&toy::request(2, 0), &[], &mut []).map(drop);
+    let cases: [(&str, Wrong); 4] = [
+        ("Tell of pressure, which is not withheld", tell),
+        ("Tell without an accepted step", |fluid| {
+            fluid.withhold(&[Field::Pressure])?;
+            fluid.tell(&mut [(Field::Pressure, &mut Vec::new())])
+        }),
+        ("Tell without an accepted step", |fluid| {
+            fluid.advance(&toy::request(2, 0), &[], &mut [])?;
+            fluid.tell(&mut [(Field::Pressure, &mut Vec::new())])
+        }),
+        (
+            "Withhold of grain_contact, which is named twice or is not of a candidate",
+            |fluid| {
+                fluid.withhold(&[Field::GrainContact])?;
+                fluid.tell(&mut [])
+            },
+        ),
+    ];
+    for (expected, wrong) in cases {
+        let mut fluid = spawn_fluid(|| ToyFluid::new(Fault::None)).unwrap();
+        fluid.configure_fluid(&toy::fluid_scene(3)).unwrap();
+        fluid.advance(&toy::request(1, 0), &[], &mut []).unwrap();
+        fluid.commit(1).unwrap();
+        let error = wrong(&mut fluid).unwrap_err();
+        println!("{error}");
+        assert!(error.to_string().contains(expected));
+        // It stays broken, with the same words.
+        assert!(
+            advance(&mut fluid)
+                .unwrap_err()
+                .to_string()
+                .contains(expected)
+        );
+    }
+}
+
+#[test]
 fn a_refused_step_may_be_asked_again() {
     let mut fluid = spawn_fluid(|| ToyFluid::new(Fault::Refuses)).unwrap();
     fluid.configure_fluid(&toy::fluid_scene(3)).unwrap();

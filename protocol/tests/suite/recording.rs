@@ -27,6 +27,7 @@ pub fn begin(cells: usize) -> Begin {
         gravity: [0.0, -9.81],
         fluid: Some(toy::fluid_scene(cells)),
         particles: Some(toy::particle_scene()),
+        grains_stay: false,
         grains_file: None,
         scheme: Scheme::Staggered,
         drag: DragLaw::Dallavalle,
