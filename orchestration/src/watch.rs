@@ -19,6 +19,7 @@ use crate::interrupt::Interrupts;
 use crate::launch::{self, Process};
 use crate::output::writer::Writer;
 use crate::progress::Progress;
+use crate::study::results;
 use crate::verdict::{Evidence, LastWord, Verdict};
 
 /// How long processes may take to leave by themselves.
@@ -159,7 +160,8 @@ impl Watch<'_> {
         let (steps, time) = (self.progress.step, self.progress.time);
         if state.asked_to_stop {
             let how = if state.killed { "killed" } else { "stopped" };
-            let why = format!("interrupted: {how} after step {steps}, t = {time:e} s");
+            let time = results::digits(time);
+            let why = format!("interrupted: {how} after step {steps}, t = {time} s");
             return Verdict {
                 code: exit_code::INTERRUPTED,
                 why: Some(why),

@@ -16,7 +16,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
-use crate::background::programs;
+use crate::background::{Run, programs, small_cloud};
 use crate::reports::tiny_run;
 
 struct Browser {
@@ -210,4 +210,60 @@ fn the_report_plays_in_a_browser_without_a_network_in_light_and_dark_on_phone_an
     let after = browser.run("return document.getElementById('scale').textContent");
     println!("scale bar {before}, zoomed in {after}");
     assert_ne!(before, after);
+}
+
+/// A process that ends with its test, however that ends.
+struct Ended(Child);
+
+impl Drop for Ended {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[test]
+fn the_view_of_a_running_run_follows_it_in_the_browser_until_its_end() {
+    let Some(browser) = Browser::start() else {
+        eprintln!("SKIPPED: no chromedriver here; apt-get install chromium chromium-driver");
+        return;
+    };
+    let mut run = Run::start(&small_cloud(22.0));
+    run.wait_for_steps(20);
+    let view = Command::new(programs().join("sillage"))
+        .arg("view")
+        .arg(run.folder.path())
+        .stdout(Stdio::piped())
+        .spawn();
+    let mut view = Ended(view.expect("started"));
+    let mut line = String::new();
+    BufReader::new(view.0.stdout.take().expect("stdout"))
+        .read_line(&mut line)
+        .expect("an address");
+    let address = line.split_whitespace().next().expect("an address");
+    browser.ask("url", json!({ "url": address }));
+    browser.until("return document.documentElement.dataset.ready === 'yes'");
+    let text = |id: &str| {
+        browser.run(&format!(
+            "return document.getElementById('{id}').textContent"
+        ))
+    };
+    let (state, first) = (text("state"), text("counter"));
+    println!("{state}: {first}; {}", text("summary"));
+    assert_eq!(state, "running");
+    // The page is loaded once: a mark on it stays while its numbers change.
+    browser.run("document.body.dataset.mark = 'kept'");
+    let count = "Number(document.getElementById('counter').textContent.split(' of ')[1])";
+    let states = browser
+        .run(&format!("return {count}"))
+        .as_i64()
+        .expect("a count");
+    browser.until(&format!("return {count} > {states} + 3"));
+    println!("{}; {}", text("counter"), text("summary"));
+    let pid = nix::unistd::Pid::from_raw(run.child.id() as i32);
+    nix::sys::signal::kill(pid, nix::sys::signal::Signal::SIGINT).expect("interrupted");
+    assert_eq!(run.child.wait().expect("its end").code(), Some(130));
+    browser.until("return document.getElementById('state').textContent.startsWith('exit 130')");
+    println!("{}: {}", text("state"), text("summary"));
+    assert_eq!(browser.run("return document.body.dataset.mark"), "kept");
 }

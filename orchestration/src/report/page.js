@@ -416,7 +416,7 @@ function words() {
   const live = data.steps.step ? data.steps.step[data.steps.step.length - 1] : 0;
   $('summary').textContent = `${exit ? steps : live} steps to t = ${quantity(exit ? run.time_reached : (data.steps.time || [0]).at(-1), 's')}` + (grains ? `, ${grains} grain${grains > 1 ? 's' : ''}` : ', no grains') + (cost.wall_total ? `, ${quantity(cost.wall_total, 's', 3)} on ${run.machine.cores} cores` : '');
   badge.className = 'badge' + (!exit ? ' runs' : exit.code ? ' bad' : '');
-  badge.textContent = !exit ? (data.live ? 'running' : 'not finished when this was written') : exit.code ? `exit ${exit.code}, ${exit.meaning}: ${exit.why || ''}` : 'finished';
+  badge.textContent = !exit ? (data.live ? 'running' : 'not finished when this was written') : exit.code ? `exit ${exit.code}, ${(exit.why || '').startsWith(exit.meaning) ? exit.why : exit.meaning + ': ' + exit.why}` : 'finished';
   const cpu = cost.cpu_process || {}, phases = ['fluid', 'particles', 'coupler', 'exchange'].filter(p => cost['wall_' + p] !== undefined);
   const total = phases.reduce((sum, p) => sum + cost['wall_' + p], 0) || 1;
   const list = phases.map(p => { const share = cost['wall_' + p] / total, meter = node('div', { class: 'meter', style: `width:${100 * share}%` });
