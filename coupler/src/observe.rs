@@ -65,6 +65,14 @@ impl Row {
     }
 }
 
+/// Numbers of the particle engine that stand in `steps.csv` where it counts them.
+const COUNTERS: [&str; 4] = [
+    "contact_candidates",
+    "contact_searches",
+    "contact_sweeps",
+    "wall_looks",
+];
+
 fn add_grains(row: &mut Row, coupling: &Coupling, report: &StepReport) {
     let Some(seat) = &coupling.particles else {
         return;
@@ -72,7 +80,7 @@ fn add_grains(row: &mut Row, coupling: &Coupling, report: &StepReport) {
     for name in ["contacts", "contact_residual", "penetration_max"] {
         row.add(name, value(&seat.diagnostics, name).unwrap_or(0.0));
     }
-    for name in ["contact_candidates", "contact_searches", "wall_looks"] {
+    for name in COUNTERS {
         if let Some(number) = value(&seat.diagnostics, name) {
             row.add(name, number);
         }

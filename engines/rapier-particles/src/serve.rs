@@ -12,6 +12,8 @@ use rapier2d_f64::prelude::PhysicsPipeline;
 use crate::contacts::{Contacts, crossing};
 use crate::world::{Model, Segment, Settings, World};
 
+/// Sweeps of an iteration: one that corrects overlaps and one that does not.
+const SWEEPS: f64 = 2.0;
 /// First bytes of a checkpoint.
 const MARK: &[u8; 16] = b"rapier-grains 1\n";
 
@@ -150,8 +152,10 @@ impl ParticleEngine for Engine {
         answer.position.copy_from_slice(&before);
         let contacts = Contacts::of(candidate, model);
         answer.contact.copy_from_slice(&contacts.state);
+        let iterations = f64::from(sub_steps) * f64::from(model.settings.iterations);
         let numbers = [
             ("sub_steps", f64::from(sub_steps)),
+            ("contact_sweeps", SWEEPS * iterations),
             ("contacts", contacts.active as f64),
             ("penetration_max", contacts.penetration),
             ("kinetic_energy", candidate.kinetic_energy(model)),

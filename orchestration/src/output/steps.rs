@@ -94,7 +94,9 @@ impl Steps {
 fn number(name: &str, value: f64) -> String {
     match name {
         "step" | "passes" | "sub_steps" | "contacts" | "convection" => format!("{value}"),
-        "contact_candidates" | "contact_searches" | "wall_looks" => format!("{value}"),
+        "contact_candidates" | "contact_searches" | "contact_sweeps" | "wall_looks" => {
+            format!("{value}")
+        }
         _ => format!("{value:e}"),
     }
 }
@@ -112,9 +114,8 @@ impl Summary {
             };
             match name.as_str() {
                 "time" => self.time = *value,
-                "wall" | "passes" | "sub_steps" | "contact_searches" | "wall_looks" => {
-                    *self.sums.entry(name.clone()).or_default() += value
-                }
+                "wall" | "passes" | "sub_steps" | "contact_searches" | "contact_sweeps"
+                | "wall_looks" => *self.sums.entry(name.clone()).or_default() += value,
                 _ if name.starts_with("cpu_") || name.starts_with("wall_") => {
                     *self.sums.entry(name.clone()).or_default() += value
                 }
