@@ -109,7 +109,7 @@ fn energy(coupling: &Coupling, outcome: &Outcome, dt: f64) -> Budget {
         .transfer()
         .sample_vector(&outcome.placement, &outcome.fluid.velocity);
     let (mut interaction, mut dissipation, mut contact, mut weight_power) = (0.0, 0.0, 0.0, 0.0);
-    for k in (0..velocity.len()).filter(|k| !grains.fixed[k / 2]) {
+    for k in 0..velocity.len() {
         let i = k / 2;
         let (mean, drag) = (outcome.grains.mean_velocity[k], outcome.model.drag[i]);
         let on_grain = outcome.force[k] - drag * mean;

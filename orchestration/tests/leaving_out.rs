@@ -178,11 +178,12 @@ fn compare(path: &Path, steps: u64, settings: &[&str]) {
         format!("{:.digits$} → {:.digits$}", of(&forced), of(&chosen))
     };
     println!(
-        "| {name} | {steps} | {creeping} | {} | {} | {} | {} | {} |",
+        "| {name} | {steps} | {creeping} | {} | {} | {} | {} | {} | {} |",
         both(&|done| sum(done, "contact_searches"), 0),
         both(&|done| sum(done, "wall_looks"), 0),
         both(&|done| 1e3 * cpu(done, "fluid"), 0),
         both(&|done| 1e3 * cpu(done, "particles"), 1),
+        both(&|done| 1e3 * sum(done, "wall_exchange"), 1),
         if creeping == 0 {
             "same bits".to_owned()
         } else {
@@ -195,9 +196,9 @@ fn compare(path: &Path, steps: u64, settings: &[&str]) {
 fn compare_all(size: impl Fn(&str) -> (u64, &'static [&'static str])) {
     println!(
         "| scene | steps | without convection | searches for contacts | looks at walls | \
-         CPU fluid (ms) | CPU grains (ms) | difference |"
+         CPU fluid (ms) | CPU grains (ms) | exchange (ms) | difference |"
     );
-    println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let mut paths: Vec<_> = std::fs::read_dir(root().join("scenes"))
         .expect("scenes")
         .map(|entry| entry.expect("an entry").path())
