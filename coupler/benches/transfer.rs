@@ -64,7 +64,7 @@ fn bench(criterion: &mut Criterion) {
         .collect();
     let mut group = criterion.benchmark_group("transfer of 1e4 grains");
     for (name, length) in [("lumped mass", 0.0), ("smoothed over two cells", 2.0)] {
-        let transfer = Transfer::new(&mesh, length, 1.0);
+        let transfer = Transfer::new(&mesh, length, 1.0).expect("a transfer");
         let placement = transfer.place(&positions).expect("inside");
         if length == 0.0 {
             group.bench_function("place", |bencher| {

@@ -123,7 +123,8 @@ impl Coupling {
             .map_or_else(GrainState::default, |seat| initial_state(&seat.grains));
         let transfer = fluid
             .as_ref()
-            .map(|seat| new_transfer(&scene, seat, &state.radius));
+            .map(|seat| new_transfer(&scene, seat, &state.radius))
+            .transpose()?;
         let mut coupling = Coupling {
             shapes: shapes(scene.geometry, &state.radius),
             scene,
@@ -539,7 +540,11 @@ fn initial_state(grains: &InitialGrains) -> GrainState {
     }
 }
 
-fn new_transfer(scene: &CouplerScene, seat: &FluidSeat, radii: &[f64]) -> Transfer {
+fn new_transfer(
+    scene: &CouplerScene,
+    seat: &FluidSeat,
+    radii: &[f64],
+) -> Result<Transfer, CouplerError> {
     let diameter = 2.0 * radii.iter().fold(0.0_f64, |max, &radius| max.max(radius));
     let cell = smallest_cell(seat);
     let automatic = if diameter > LUMPED_RATIO_MAX * cell {

@@ -47,6 +47,14 @@ pub enum CouplerError {
         /// Its position \[m\].
         y: f64,
     },
+    /// The matrix of a smoothed transfer has no factor.
+    #[error("the transfer cannot be smoothed over {length:e} m on this mesh: {why}")]
+    Smoothing {
+        /// L \[m\].
+        length: f64,
+        /// Why.
+        why: String,
+    },
     /// The passes of a step did not bring the defect below the tolerance.
     #[error(
         "step {step}: interaction defect {defect:.2e} after {passes} passes, above the tolerance \
@@ -109,6 +117,7 @@ impl CouplerError {
             CouplerError::Scene { .. } => 2,
             CouplerError::GrainOutside { .. }
             | CouplerError::Porosity { .. }
+            | CouplerError::Smoothing { .. }
             | CouplerError::NotFinite { .. } => 7,
             CouplerError::NotConverged { .. } | CouplerError::StepTooSmall { .. } => 8,
             CouplerError::Interrupted { .. } => 130,

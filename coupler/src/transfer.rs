@@ -9,6 +9,10 @@
 //! of what is deposited for every L. L ≥ 2d removes the mesh dependence of large grains. Spheres in
 //! a slab are deposited over its depth: the fluid is solved per metre of depth.
 
+use faer::linalg::solvers::Solve;
+use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
+use faer::sparse::{SparseColMat, Triplet};
+use faer::{MatMut, Side};
 use protocol::engine::MeshDescription;
 
 use crate::error::CouplerError;
@@ -33,15 +37,21 @@ pub struct Placement {
 impl Transfer {
     /// Transfer on a mesh, smoothed over the length L \[m\] (0: lumped mass); `depth` \[m\] is that
     /// of the slab for spheres, 1 for disks.
-    pub fn new(mesh: &MeshDescription, smoothing_length: f64, depth: f64) -> Transfer {
-        let smoothing = (smoothing_length > 0.0).then(|| Smoothing::new(mesh, smoothing_length));
-        Transfer {
+    pub fn new(
+        mesh: &MeshDescription,
+        smoothing_length: f64,
+        depth: f64,
+    ) -> Result<Transfer, CouplerError> {
+        let smoothing = (smoothing_length > 0.0)
+            .then(|| Smoothing::new(mesh, smoothing_length))
+            .transpose()?;
+        Ok(Transfer {
             locator: Locator::new(mesh),
             node_position: mesh.node_position.clone(),
             nodal_mass: mesh.nodal_mass.clone(),
             smoothing,
             depth,
-        }
+        })
     }
 
     /// Lumped mass ℓ_α of the nodes \[m²\].
@@ -79,15 +89,7 @@ impl Transfer {
 
     /// (T1) of a scalar a grain.
     pub fn deposit(&self, placement: &Placement, values: impl Fn(usize) -> f64) -> Vec<f64> {
-        let mut nodal = vec![0.0; self.node_count()];
-        for (grain, stencil) in placement.stencils.iter().enumerate() {
-            let value = values(grain) / self.depth;
-            for (&node, &weight) in stencil.nodes.iter().zip(&stencil.weights) {
-                nodal[node as usize] += weight * value;
-            }
-        }
-        self.over_mass(&mut nodal);
-        nodal
+        self.deposit_columns(placement, |grain| [values(grain)])
     }
 
     /// (T1) of a vector a grain; interleaved result.
@@ -96,16 +98,32 @@ impl Transfer {
         placement: &Placement,
         values: impl Fn(usize) -> [f64; 2],
     ) -> Vec<f64> {
-        let parts = [0, 1].map(|axis| self.deposit(placement, |grain| values(grain)[axis]));
-        interleave(&parts[0], &parts[1])
+        interleave(&self.deposit_columns(placement, values))
+    }
+
+    /// (T1) of some numbers a grain, all nodes of the first, then all of the next.
+    fn deposit_columns<const N: usize>(
+        &self,
+        placement: &Placement,
+        values: impl Fn(usize) -> [f64; N],
+    ) -> Vec<f64> {
+        let count = self.node_count();
+        let mut nodal = vec![0.0; N * count];
+        for (grain, stencil) in placement.stencils.iter().enumerate() {
+            let values = values(grain).map(|value| value / self.depth);
+            for (&node, &weight) in stencil.nodes.iter().zip(&stencil.weights) {
+                for (column, value) in values.iter().enumerate() {
+                    nodal[column * count + node as usize] += weight * value;
+                }
+            }
+        }
+        self.over_mass(&mut nodal);
+        nodal
     }
 
     /// (T2) of a nodal scalar.
     pub fn sample(&self, placement: &Placement, nodal: &[f64]) -> Vec<f64> {
-        let smoothed = self
-            .smoothing
-            .as_ref()
-            .map(|smoothing| smoothing.adjoint(nodal, &self.nodal_mass));
+        let smoothed = self.smooth(|| nodal.to_vec());
         let field = smoothed.as_deref().unwrap_or(nodal);
         let at = |stencil: &Stencil| {
             let [a, b, c] = stencil.nodes.map(|node| field[node as usize]);
@@ -116,14 +134,14 @@ impl Transfer {
 
     /// (T2) of an interleaved nodal vector field; interleaved result.
     pub fn sample_vector(&self, placement: &Placement, nodal: &[f64]) -> Vec<f64> {
-        if self.smoothing.is_some() {
-            let parts = [0, 1].map(|axis| self.sample(placement, &component(nodal, axis)));
-            return interleave(&parts[0], &parts[1]);
-        }
+        let smoothed = self
+            .smooth(|| [component(nodal, 0), component(nodal, 1)].concat())
+            .map(|columns| interleave(&columns));
+        let field = smoothed.as_deref().unwrap_or(nodal);
         let mut sampled = Vec::with_capacity(2 * placement.stencils.len());
         for stencil in &placement.stencils {
             for axis in 0..2 {
-                let [a, b, c] = stencil.nodes.map(|node| nodal[2 * node as usize + axis]);
+                let [a, b, c] = stencil.nodes.map(|node| field[2 * node as usize + axis]);
                 sampled
                     .push(stencil.weights[0] * a + stencil.weights[1] * b + stencil.weights[2] * c);
             }
@@ -131,12 +149,25 @@ impl Transfer {
         sampled
     }
 
-    fn over_mass(&self, nodal: &mut [f64]) {
+    /// B⁻¹ M_ℓ f of columns; none where the transfer is not smoothed.
+    fn smooth(&self, columns: impl FnOnce() -> Vec<f64>) -> Option<Vec<f64>> {
+        let smoothing = self.smoothing.as_ref()?;
+        let mut columns = columns();
+        let masses = self.nodal_mass.iter().cycle();
+        columns
+            .iter_mut()
+            .zip(masses)
+            .for_each(|(f, mass)| *f *= mass);
+        smoothing.solve(&mut columns);
+        Some(columns)
+    }
+
+    fn over_mass(&self, columns: &mut [f64]) {
         match &self.smoothing {
-            Some(smoothing) => smoothing.solve(nodal),
-            None => nodal
+            Some(smoothing) => smoothing.solve(columns),
+            None => columns
                 .iter_mut()
-                .zip(&self.nodal_mass)
+                .zip(self.nodal_mass.iter().cycle())
                 .for_each(|(value, mass)| *value /= mass),
         }
     }
@@ -147,110 +178,75 @@ pub fn component(interleaved: &[f64], axis: usize) -> Vec<f64> {
     interleaved.iter().skip(axis).step_by(2).copied().collect()
 }
 
-fn interleave(x: &[f64], y: &[f64]) -> Vec<f64> {
+/// Two columns, one after the other, as vectors.
+fn interleave(columns: &[f64]) -> Vec<f64> {
+    let (x, y) = columns.split_at(columns.len() / 2);
     x.iter().zip(y).flat_map(|(&x, &y)| [x, y]).collect()
 }
 
-/// B = M_ℓ + L²K in compressed rows, solved by conjugate gradients with a diagonal preconditioner.
-/// B is symmetric positive definite with a condition number of about 1 + 8 L²/h².
-#[derive(Debug)]
+/// The Cholesky factor of B = M_ℓ + L²K, made once: B is symmetric and positive definite, and the same
+/// for a whole run.
 struct Smoothing {
-    row_start: Vec<usize>,
-    columns: Vec<u32>,
-    entries: Vec<f64>,
-    diagonal: Vec<f64>,
+    factor: Llt<usize, f64>,
+    mass: Vec<f64>,
+    area: f64,
+}
+
+impl std::fmt::Debug for Smoothing {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        out.debug_struct("Smoothing").finish_non_exhaustive()
+    }
 }
 
 impl Smoothing {
-    fn new(mesh: &MeshDescription, length: f64) -> Smoothing {
-        let mut triplets: Vec<(u32, u32, f64)> = Vec::with_capacity(9 * mesh.triangles.len());
-        for (node, &mass) in mesh.nodal_mass.iter().enumerate() {
-            triplets.push((node as u32, node as u32, mass));
-        }
-        for (nodes, corners) in mesh.triangles.iter().zip(&mesh.triangle_position) {
-            let stiffness = triangle_stiffness(corners);
+    fn new(mesh: &MeshDescription, length: f64) -> Result<Smoothing, CouplerError> {
+        let nodes = mesh.nodal_mass.len();
+        let mut lower: Vec<Triplet<usize, usize, f64>> = mesh
+            .nodal_mass
+            .iter()
+            .enumerate()
+            .map(|(node, &mass)| Triplet::new(node, node, mass))
+            .collect();
+        for (corners, positions) in mesh.triangles.iter().zip(&mesh.triangle_position) {
+            let corners = corners.map(|node| node as usize);
+            let stiffness = triangle_stiffness(positions);
             for i in 0..3 {
-                for j in 0..3 {
-                    triplets.push((nodes[i], nodes[j], length * length * stiffness[i][j]));
+                for j in (0..3).filter(|&j| corners[j] <= corners[i]) {
+                    let entry = length * length * stiffness[i][j];
+                    lower.push(Triplet::new(corners[i], corners[j], entry));
                 }
             }
         }
-        triplets.sort_by_key(|&(row, column, _)| (row, column)); // stable: a fixed order of sums
-        let count = mesh.nodal_mass.len();
-        let mut smoothing = Smoothing {
-            row_start: vec![0; count + 1],
-            columns: Vec::new(),
-            entries: Vec::new(),
-            diagonal: vec![0.0; count],
-        };
-        let mut last = None;
-        for (row, column, value) in triplets {
-            if last == Some((row, column)) {
-                *smoothing.entries.last_mut().expect("a previous entry") += value;
-            } else {
-                smoothing.columns.push(column);
-                smoothing.entries.push(value);
-                smoothing.row_start[row as usize + 1] += 1;
-            }
-            last = Some((row, column));
-            if row == column {
-                smoothing.diagonal[row as usize] = *smoothing.entries.last().expect("this entry");
-            }
-        }
-        for row in 0..count {
-            smoothing.row_start[row + 1] += smoothing.row_start[row];
-        }
-        smoothing
+        let broken = |why: String| CouplerError::Smoothing { length, why };
+        let matrix = SparseColMat::try_new_from_triplets(nodes, nodes, &lower)
+            .map_err(|error| broken(format!("{error:?}")))?;
+        let factor = SymbolicLlt::try_new(matrix.symbolic(), Side::Lower)
+            .map_err(|error| broken(format!("{error:?}")))
+            .and_then(|symbolic| {
+                Llt::try_new_with_symbolic(symbolic, matrix.as_ref(), Side::Lower)
+                    .map_err(|error| broken(format!("{error:?}")))
+            })?;
+        Ok(Smoothing {
+            factor,
+            mass: mesh.nodal_mass.clone(),
+            area: mesh.nodal_mass.iter().sum(),
+        })
     }
 
-    fn times(&self, x: &[f64], y: &mut [f64]) {
-        for (row, value) in y.iter_mut().enumerate() {
-            let range = self.row_start[row]..self.row_start[row + 1];
-            *value = range
-                .map(|k| self.entries[k] * x[self.columns[k] as usize])
-                .sum();
+    /// B⁻¹ b of one column or more, in place. B 1 = M_ℓ 1, so what round-off has taken from the sum of a
+    /// column comes back by a constant.
+    fn solve(&self, columns: &mut [f64]) {
+        let nodes = self.mass.len();
+        let sums: Vec<f64> = columns
+            .chunks_exact(nodes)
+            .map(|b| b.iter().sum())
+            .collect();
+        let all = MatMut::from_column_major_slice_mut(&mut *columns, nodes, sums.len());
+        self.factor.solve_in_place(all);
+        for (x, sum) in columns.chunks_exact_mut(nodes).zip(sums) {
+            let lost = sum - dot(x, &self.mass);
+            x.iter_mut().for_each(|x| *x += lost / self.area);
         }
-    }
-
-    /// B⁻¹ b, in place. Then the sum is restored exactly: 1ᵀB x = 1ᵀM_ℓ x needs no solve.
-    fn solve(&self, b: &mut [f64]) {
-        let count = b.len();
-        let mut x: Vec<f64> = b.iter().zip(&self.diagonal).map(|(b, d)| b / d).collect();
-        let mut product = vec![0.0; count];
-        self.times(&x, &mut product);
-        let mut residual: Vec<f64> = b.iter().zip(&product).map(|(b, p)| b - p).collect();
-        let precondition =
-            |r: &[f64]| -> Vec<f64> { r.iter().zip(&self.diagonal).map(|(r, d)| r / d).collect() };
-        let mut scaled = precondition(&residual);
-        let mut direction = scaled.clone();
-        let mut energy = dot(&residual, &scaled);
-        let target = 1e-30 * dot(b, &precondition(b));
-        for _ in 0..10 * count {
-            if energy <= target {
-                break;
-            }
-            self.times(&direction, &mut product);
-            let step = energy / dot(&direction, &product);
-            for i in 0..count {
-                x[i] += step * direction[i];
-                residual[i] -= step * product[i];
-            }
-            scaled = precondition(&residual);
-            let next = dot(&residual, &scaled);
-            let ratio = next / energy;
-            energy = next;
-            for i in 0..count {
-                direction[i] = scaled[i] + ratio * direction[i];
-            }
-        }
-        b.copy_from_slice(&x);
-    }
-
-    /// B⁻¹ M_ℓ f
-    fn adjoint(&self, f: &[f64], mass: &[f64]) -> Vec<f64> {
-        let mut result: Vec<f64> = f.iter().zip(mass).map(|(f, m)| f * m).collect();
-        self.solve(&mut result);
-        result
     }
 }
 

@@ -55,7 +55,7 @@ fn deposited_volume_is_the_grains_volume_and_sampling_is_the_adjoint_of_deposit(
         .collect();
     println!("| L/h | volume defect | action + reaction |");
     for ratio in [0.0, 0.5, 2.0, 6.0] {
-        let transfer = Transfer::new(&mesh, ratio / 16.0, 1.0);
+        let transfer = Transfer::new(&mesh, ratio / 16.0, 1.0).expect("a transfer");
         let placement = transfer.place(&positions).expect("all inside");
         let nodal = transfer.deposit(&placement, |i| values[i]);
         let total: f64 = values.iter().sum();
@@ -79,7 +79,7 @@ fn deposited_volume_is_the_grains_volume_and_sampling_is_the_adjoint_of_deposit(
 #[test]
 fn shape_functions_reproduce_a_linear_field_and_points_just_outside_are_clipped() {
     let mesh = square(7);
-    let transfer = Transfer::new(&mesh, 0.0, 1.0);
+    let transfer = Transfer::new(&mesh, 0.0, 1.0).expect("a transfer");
     let linear: Vec<f64> = mesh
         .node_position
         .chunks_exact(2)

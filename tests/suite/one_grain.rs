@@ -111,7 +111,8 @@ fn the_steady_slip_of_every_material_is_the_closed_form_for_any_step() {
 
 /// Vertical velocity of the grain relative to the fluid around it, which is at rest to round-off.
 fn slip(coupling: &Coupling) -> f64 {
-    let transfer = Transfer::new(&coupling.fluid.as_ref().expect("a fluid").mesh, 0.0, 1.0);
+    let transfer = Transfer::new(&coupling.fluid.as_ref().expect("a fluid").mesh, 0.0, 1.0)
+        .expect("a transfer");
     let middle: Vec<f64> = coupling
         .grains
         .position

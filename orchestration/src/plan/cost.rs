@@ -4,7 +4,7 @@
 //!   fluid      1.4 µs a triangle (assembly) + 0.94 µs N^1.2 (factor) + 0.9 µs N (solves), N nodes
 //!   grains     1.1 µs a grain, 0.4 of it the search for contacts when it is made each time;
 //!              dry: 20 µs more, the contacts
-//!   coupler    0.1 µs a node + 0.9 µs a grain; 9 µs a node more with a smoothed transfer
+//!   coupler    0.1 µs a node + 0.9 µs a grain; 0.5 µs a node more with a smoothed transfer
 //! ```
 //!
 //! One pass on one thread, from the scenes of this repository (docs/leaving-out.md).
@@ -54,7 +54,7 @@ impl Cost {
             grains: if nodes > 0.0 { 0.7e-6 } else { 20.7e-6 } * grains,
             coupler: coupled * (0.1e-6 * nodes + 0.9e-6 * grains),
             smoothing: if smoothed {
-                coupled * 9e-6 * nodes
+                coupled * 0.5e-6 * nodes
             } else {
                 0.0
             },
