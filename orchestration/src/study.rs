@@ -267,6 +267,12 @@ fn finish(
     plot::write(folder, study, rows)?;
     let page = page::page(folder, name, study, rows, &document)?;
     vtu::write(&folder.join("report.html"), page)?;
+    for (also, unknown) in study.also.iter().zip(results::unknown(study, rows)) {
+        if let Some((points, why)) = unknown {
+            let name = &also.measure.name;
+            eprintln!("sillage: warning: {name}: not known of {points} points: {why}");
+        }
+    }
     Ok(Outcome {
         folder: folder.to_path_buf(),
         table: results::text(study, rows),
@@ -282,14 +288,19 @@ fn sample(place: &Path, done: &Done, study: &StudyFile) -> Sample {
         let why = point["why"].as_str().unwrap_or("ended early");
         return Sample::Failed(format!("exit code {}: {why}", point["exit"]));
     }
-    let measures = std::iter::once(&study.measure).chain(study.also.iter().map(|a| &a.measure));
-    let values: Result<Vec<f64>, Error> = measures
-        .map(|measure| measure::measure(measure, place, document))
-        .collect();
-    let (value, also) = match values {
-        Ok(values) => (values[0], values[1..].to_vec()),
-        Err(error) => return Sample::Failed(error.to_string()),
+    let number = |of: &keys::Measure| {
+        let value = measure::measure(of, place, document);
+        value.map_err(|error| error.to_string())
     };
+    let value = match number(&study.measure) {
+        Ok(value) => value,
+        Err(why) => return Sample::Failed(why),
+    };
+    let also = study
+        .also
+        .iter()
+        .map(|also| number(&also.measure))
+        .collect();
     let cost = &document["cost"];
     let table = |name: &str| -> std::collections::BTreeMap<String, f64> {
         let entries = cost[name].as_object().into_iter().flatten();

@@ -224,6 +224,53 @@ fn a_point_that_fails_stands_in_the_table_and_a_wrong_study_is_refused() {
 }
 
 #[test]
+fn a_number_is_held_against_another_point_and_one_that_cannot_be_had_loses_nothing_else() {
+    need_programs();
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = std::fs::canonicalize(root().join("scenes/one-grain.toml")).expect("the scene");
+    let study = |name: &str, against: &str| {
+        let file = folder.path().join(name);
+        let text = format!(
+            "title = \"t\"\nscene = {scene:?}\nset = [\"run.end_time=1e-3\"]\n\
+             [measure]\nname = \"fall\"\ncolumn = \"fall_speed\"\n\
+             [[also]]\nmeasure = {{ name = \"height\", column = \"centre_y\" }}\n{against}\n\
+             [[also]]\nmeasure = {{ name = \"nothing\", column = \"no_column\" }}\n\
+             [[axis]]\nname = \"step\"\npoints = [\n\
+             {{ name = \"coarse\", set = [\"run.coupling_step=1e-4\"] }},\n\
+             {{ name = \"fine\", set = [\"run.coupling_step=1e-5\"] }},\n]\n"
+        );
+        std::fs::write(&file, text).expect("written");
+        let out = folder.path().join(format!("{name}-out"));
+        let (file, folder) = (file.to_string_lossy(), out.to_string_lossy());
+        (sillage(&["study", &file, "--out", &folder]), out)
+    };
+    let ((code, table, words), out) = study("held.toml", "against = \"fine\"");
+    println!("{table}{words}");
+    assert_eq!(code, Some(0));
+    assert!(table.contains("height (off fine)"), "{table}");
+    assert!(words.contains("nothing: not known of 2 points"), "{words}");
+    assert!(words.contains("no column no_column"), "{words}");
+    let text = std::fs::read_to_string(out.join("study.json")).expect("results");
+    let results: Value = serde_json::from_str(&text).expect("JSON");
+    let [coarse, fine] = [0, 1].map(|point| &results["points"][point]);
+    let height = |point: &Value| point["also"][0].as_f64().expect("a height");
+    let error = coarse["also_errors"][0].as_f64().expect("an error");
+    let expected = (height(coarse) / height(fine) - 1.0).abs();
+    assert!(
+        expected > 0.0 && (error - expected).abs() < 1e-15,
+        "{error}"
+    );
+    assert!(fine["also_errors"][0].is_null() && fine["also"][1].is_null());
+    let ((code, _, words), _) = study("wrong.toml", "against = \"finest\"");
+    println!("{words}");
+    assert_eq!(code, Some(2));
+    assert!(
+        words.contains("is no point (points: coarse, fine)"),
+        "{words}"
+    );
+}
+
+#[test]
 fn every_built_in_study_is_valid() {
     let (code, out, words) = sillage(&["study", "--list"]);
     println!("{out}");

@@ -23,8 +23,8 @@ pub enum Sample {
     Run {
         /// The measure.
         value: f64,
-        /// What else was measured.
-        also: Vec<f64>,
+        /// What else was measured, or why it was not.
+        also: Vec<Result<f64, String>>,
         /// What it cost.
         cost: Cost,
     },
@@ -68,6 +68,8 @@ pub struct Row {
     pub also: Vec<f64>,
     /// … and their errors, where a reference is known.
     pub also_errors: Vec<Option<f64>>,
+    /// Why one of these is not known, though the point ran.
+    pub also_unknown: Vec<Option<String>>,
     /// Observed order from the point before it on the first axis.
     pub order: Option<f64>,
     /// Is no other point both cheaper and better?
@@ -181,11 +183,19 @@ fn row(study: &StudyFile, point: &Point, samples: &[Sample], truth: Option<f64>)
     let also_of = |index: usize| -> Vec<f64> {
         let all = samples.iter();
         all.filter_map(|sample| match sample {
-            Sample::Run { also, .. } => also.get(index).copied(),
+            Sample::Run { also, .. } => also[index].as_ref().ok().copied(),
             Sample::Failed(_) => None,
         })
         .collect()
     };
+    let also_unknown = (0..study.also.len())
+        .map(|index| {
+            samples.iter().find_map(|sample| match sample {
+                Sample::Run { also, .. } => also[index].as_ref().err().cloned(),
+                Sample::Failed(_) => None,
+            })
+        })
+        .collect();
     let also: Vec<f64> = (0..study.also.len())
         .map(|index| analysis::median(&also_of(index)))
         .collect();
@@ -193,6 +203,7 @@ fn row(study: &StudyFile, point: &Point, samples: &[Sample], truth: Option<f64>)
         .iter()
         .zip(&study.also)
         .map(|(value, also)| Some(analysis::error(*value, also.reference?)))
+        .map(|error| error.filter(|error| error.is_finite()))
         .collect();
     Row {
         names: point.names.clone(),
@@ -204,6 +215,7 @@ fn row(study: &StudyFile, point: &Point, samples: &[Sample], truth: Option<f64>)
             .filter(|error| error.is_finite()),
         also,
         also_errors,
+        also_unknown,
         order: None,
         front: false,
         cost: Cost {
@@ -218,6 +230,17 @@ fn row(study: &StudyFile, point: &Point, samples: &[Sample], truth: Option<f64>)
         runs: runs.len(),
         failed: failed.filter(|_| runs.is_empty()),
     }
+}
+
+/// Of each number in `also`: how many points ran without it, and why the first one.
+pub fn unknown(study: &StudyFile, rows: &[Row]) -> Vec<Option<(usize, String)>> {
+    let of = |index: usize| {
+        let whys = rows
+            .iter()
+            .filter_map(|row| row.also_unknown[index].as_ref());
+        Some((whys.clone().count(), whys.clone().next()?.clone()))
+    };
+    (0..study.also.len()).map(of).collect()
 }
 
 /// Write `study.json` and `study.csv`.
@@ -351,7 +374,8 @@ pub fn cells(study: &StudyFile, rows: &[Row]) -> (Vec<String>, Vec<Vec<String>>)
             for ((value, error), also) in row.also.iter().zip(&row.also_errors).zip(&study.also) {
                 cells.push(match (&also.against, error) {
                     (Some(_), Some(error)) => format!("{} ({error:.1e})", digits(*value)),
-                    _ => digits(*value),
+                    _ if value.is_finite() => digits(*value),
+                    _ => dash(),
                 });
             }
             cells.push(format!("{:.2}", cost.cpu_total));
