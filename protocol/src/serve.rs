@@ -16,7 +16,7 @@ use crate::codec;
 use crate::engine::{FluidEngine, ParticleEngine};
 use crate::error::Error;
 use crate::field::Field;
-use crate::header::{FieldHeader, Stage};
+use crate::header::{FieldHeader, Stage, require_finite};
 use crate::ipc::engine_link;
 use crate::links::{Counts, Moment};
 use crate::messages::{
@@ -448,6 +448,10 @@ fn advance<S: Seat>(seat: &mut S, session: &mut Session, request: &Advance) -> R
     session.cost.wall += begin.elapsed().as_secs_f64();
     let mut diagnostics = result?;
     session.cost.add_to(&mut diagnostics);
+    // What is not sent is not looked at by its receiver.
+    for (field, values) in &withheld.fields {
+        require_finite(session.who, request.step, *field, values)?;
+    }
     for loan in loans {
         loan.send()?;
     }
