@@ -27,8 +27,8 @@ test-python:
     engines/.venv/bin/python -m pytest engine-kit/python/tests
     engines/.venv/bin/python -m pytest engines/tests
 
-# Renew the tables and plots of all studies, and the pictures of the README that come from them (an
-# hour; runs that are there are kept).
+# Renew the tables and plots of all studies, and the pictures of the README that come from them (two
+# hours; runs that are there are kept).
 studies:
     for study in studies/*.toml; do ./sillage study "$study" || echo "$study: not every point ran"; done
     just study-pictures
