@@ -8,7 +8,7 @@ use plotters::prelude::*;
 
 use super::analysis;
 use super::keys::StudyFile;
-use super::results::Row;
+use super::results::{self, Row};
 use crate::error::Error;
 use crate::output::picture::canvas::{Canvas, register_sans};
 use crate::output::vtu;
@@ -20,13 +20,17 @@ pub const FILES: [(&str, &str); 2] = [
 ];
 
 const SIZE: (u32, u32) = (1200, 800);
-const INKS: [RGBColor; 6] = [
+const INKS: [RGBColor; 10] = [
     RGBColor(20, 99, 156),
     RGBColor(196, 81, 15),
     RGBColor(42, 127, 79),
     RGBColor(138, 75, 176),
     RGBColor(122, 106, 18),
     RGBColor(176, 42, 91),
+    RGBColor(0, 150, 136),
+    RGBColor(84, 84, 84),
+    RGBColor(222, 150, 0),
+    RGBColor(58, 58, 160),
 ];
 
 struct Line {
@@ -38,7 +42,8 @@ struct Plot {
     across: String,
     up: String,
     lines: Vec<Line>,
-    front: Vec<(f64, f64)>,
+    /// One for each problem that is compared.
+    fronts: Vec<Vec<(f64, f64)>>,
     legend: SeriesLabelPosition,
 }
 
@@ -120,12 +125,16 @@ fn plot(study: &StudyFile, rows: &[Row], against_cost: bool) -> Plot {
             Line { label, points }
         })
         .collect();
-    let mut front: Vec<(f64, f64)> = rows
-        .iter()
-        .filter(|row| against_cost && row.front)
-        .filter_map(place)
-        .collect();
-    front.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let front = |group: Vec<usize>| {
+        let rows = group.into_iter().map(|index| &rows[index]);
+        let mut front: Vec<(f64, f64)> = rows
+            .filter(|row| against_cost && row.front)
+            .filter_map(place)
+            .collect();
+        front.sort_by(|a, b| a.0.total_cmp(&b.0));
+        front
+    };
+    let fronts = results::comparable(study).into_iter().map(front).collect();
     Plot {
         across: if against_cost {
             "CPU time of all processes [s]".into()
@@ -138,7 +147,7 @@ fn plot(study: &StudyFile, rows: &[Row], against_cost: bool) -> Plot {
             (false, unit) => format!("{} [{unit}]", measure.name),
         },
         lines,
-        front,
+        fronts,
         // Where lines that rise with size, or fall with cost, leave room.
         legend: if against_cost {
             SeriesLabelPosition::UpperRight
@@ -186,20 +195,16 @@ fn draw<B: DrawingBackend>(root: &DrawingArea<B, Shift>, plot: &Plot) -> Result<
         .light_line_style(RGBColor(238, 241, 243))
         .draw()
         .map_err(text)?;
-    if plot.front.len() > 1 {
-        chart
-            .draw_series(LineSeries::new(
-                plot.front.iter().copied(),
-                RGBColor(150, 158, 166).stroke_width(8),
-            ))
-            .map_err(text)?
-            .label("Pareto front")
-            .legend(|(x, y)| {
-                PathElement::new(
-                    vec![(x, y), (x + 26, y)],
-                    RGBColor(150, 158, 166).stroke_width(8),
-                )
-            });
+    let broad = RGBColor(150, 158, 166).stroke_width(8);
+    let fronts = plot.fronts.iter().filter(|front| front.len() > 1);
+    for (index, front) in fronts.enumerate() {
+        let line = chart
+            .draw_series(LineSeries::new(front.iter().copied(), broad))
+            .map_err(text)?;
+        if index == 0 {
+            line.label("Pareto front")
+                .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 26, y)], broad));
+        }
     }
     for (index, line) in plot
         .lines

@@ -72,7 +72,7 @@ pub struct Row {
     pub also_unknown: Vec<Option<String>>,
     /// Observed order from the point before it on the first axis.
     pub order: Option<f64>,
-    /// Is no other point both cheaper and better?
+    /// Is no other point of the same problem both cheaper and better?
     pub front: bool,
     /// Medians over the repeats.
     pub cost: Cost,
@@ -111,15 +111,31 @@ pub fn rows(
             .zip(orders)
             .for_each(|(row, order)| row.order = order);
     }
-    let costs: Vec<(f64, f64)> = rows
-        .iter()
-        .map(|row| (row.cost.cpu_total, row.error.unwrap_or(f64::NAN)))
-        .collect();
-    let front = analysis::pareto(&costs);
-    rows.iter_mut()
-        .zip(front)
-        .for_each(|(row, front)| row.front = front);
+    for group in comparable(study) {
+        let of = |index: &usize| {
+            let row: &Row = &rows[*index];
+            (row.cost.cpu_total, row.error.unwrap_or(f64::NAN))
+        };
+        let front = analysis::pareto(&group.iter().map(of).collect::<Vec<_>>());
+        for (index, front) in group.into_iter().zip(front) {
+            rows[index].front = front;
+        }
+    }
     rows
+}
+
+/// Rows that solve the same problem: all where the first axis refines it, else those with the same
+/// choice on it.
+pub fn comparable(study: &StudyFile) -> Vec<Vec<usize>> {
+    let rows: usize = study.axis.iter().map(|axis| axis.points.len()).product();
+    let first = &study.axis[0];
+    if first.orders {
+        return vec![(0..rows).collect()];
+    }
+    let choices = first.points.len();
+    (0..choices)
+        .map(|choice| (choice..rows).step_by(choices).collect())
+        .collect()
 }
 
 /// Errors of what is held against another point.
