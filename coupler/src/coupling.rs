@@ -2,7 +2,7 @@
 
 use protocol::configure::{CouplerScene, Geometry, Scheme};
 use protocol::engine::InitialGrains;
-use protocol::messages::Hello;
+use protocol::messages::{Hello, Role};
 use protocol::partner::Partner;
 
 use crate::budget::{self, Budget};
@@ -106,14 +106,14 @@ impl Coupling {
     ) -> Result<Coupling, CouplerError> {
         let fluid = match (fluid, &scene.fluid) {
             (Some(partner), Some(part)) => {
-                Some(FluidSeat::new(partner, part, scene.particles.is_some())?)
+                Some(FluidSeat::new(partner, part, scene.unread(Role::Fluid))?)
             }
             _ => None,
         };
         let particles = match (particles, &scene.particles) {
             (Some(partner), Some(part)) => {
-                let felt = fluid.is_some() && scene.reaction;
-                Some(ParticleSeat::new(partner, part, grains, felt)?)
+                let unread = scene.unread(Role::Particles);
+                Some(ParticleSeat::new(partner, part, grains, unread)?)
             }
             (None, Some(_)) if scene.grains_stay => Some(ParticleSeat::fixed(grains)),
             _ => None,

@@ -46,8 +46,10 @@ pub struct FluidSeat {
     withheld: Vec<Field>,
     /// The mesh it solves on.
     pub mesh: MeshDescription,
-    /// Nodal pressure, and is it that of the last candidate?
-    pressure: (Vec<f64>, bool),
+    /// Nodal pressure \[Pa\].
+    pressure: Vec<f64>,
+    /// Is it that of the last candidate?
+    pressure_is_known: bool,
     /// Numbers of the last candidate.
     pub diagnostics: Vec<Diagnostic>,
     /// Wall time waited for it \[s\].
@@ -55,23 +57,21 @@ pub struct FluidSeat {
 }
 
 impl FluidSeat {
-    /// Configure an engine that has said hello. Pressure is read where a state is put out; its gradient
-    /// is read by grains, if there are any.
+    /// Configure an engine that has said hello, and let it keep back what is not read in every pass.
     pub fn new(
         mut partner: Partner,
         scene: &protocol::configure::FluidScene,
-        has_grains: bool,
+        unread: &[Field],
     ) -> Result<FluidSeat, CouplerError> {
         let mesh = partner.configure_fluid(scene)?;
-        let unread = [Field::Pressure, Field::PressureGradient];
-        let unread = &unread[..if has_grains { 1 } else { 2 }];
-        let pressure = (vec![0.0; mesh.nodal_mass.len()], true);
+        let pressure = vec![0.0; mesh.nodal_mass.len()];
         Ok(FluidSeat {
             withheld: withhold(&mut partner, unread)?,
             partner,
             leaves_out: process::may_leave_out(),
             mesh,
             pressure,
+            pressure_is_known: true,
             diagnostics: Vec::new(),
             wall: 0.0,
         })
@@ -119,13 +119,13 @@ impl FluidSeat {
         let mut outputs = vec![
             (Field::InterstitialVelocity, &mut state.velocity),
             (Field::PressureGradient, &mut state.pressure_gradient),
-            (Field::Pressure, &mut self.pressure.0),
+            (Field::Pressure, &mut self.pressure),
         ];
         outputs.retain(|(field, _)| !self.withheld.contains(field));
         let done = self
             .partner
             .advance(&request.advance(0, 0.0), &inputs, &mut outputs)?;
-        self.pressure.1 = !self.withheld.contains(&Field::Pressure);
+        self.pressure_is_known = !self.withheld.contains(&Field::Pressure);
         self.diagnostics = done.diagnostics;
         self.wall += begin.elapsed().as_secs_f64();
         Ok(state)
@@ -134,12 +134,12 @@ impl FluidSeat {
     /// Nodal pressure of the accepted state \[Pa\]; zero before the first step. Comes from the engine
     /// when it is read.
     pub fn pressure(&mut self) -> Result<&[f64], CouplerError> {
-        let (pressure, known) = &mut self.pressure;
-        if !*known {
-            self.partner.tell(&mut [(Field::Pressure, pressure)])?;
-            *known = true;
+        if !self.pressure_is_known {
+            self.partner
+                .tell(&mut [(Field::Pressure, &mut self.pressure)])?;
+            self.pressure_is_known = true;
         }
-        Ok(pressure)
+        Ok(&self.pressure)
     }
 }
 
@@ -192,16 +192,14 @@ pub struct ParticleSeat {
 }
 
 impl ParticleSeat {
-    /// Configure an engine that has said hello. Contact states are read where a state is put out, and
-    /// by the scheme where the fluid feels the grains.
+    /// Configure an engine that has said hello, and let it keep back what is not read in every pass.
     pub fn new(
         mut partner: Partner,
         scene: &protocol::configure::ParticleScene,
         grains: &InitialGrains,
-        felt: bool,
+        unread: &[Field],
     ) -> Result<ParticleSeat, CouplerError> {
         let grains = partner.configure_particles(scene, grains)?;
-        let unread: &[Field] = if felt { &[] } else { &[Field::GrainContact] };
         Ok(ParticleSeat {
             withheld: withhold(&mut partner, unread)?,
             partner: Some(partner),

@@ -71,17 +71,16 @@ fn connect(
     runspace: &RunSpace,
     recording: &Recording,
 ) -> Result<Coupling, CouplerError> {
-    let seat = |needed: bool, role: Role| -> Result<Option<Partner>, CouplerError> {
-        Ok(if needed {
+    let seat = |role: Role| -> Result<Option<Partner>, CouplerError> {
+        Ok(if scene.has_process(role) {
             let link = recording.tap(role, coupler_link(runspace, role)?);
             Some(Partner::greet(role, link, &scene.limits)?)
         } else {
             None
         })
     };
-    let fluid = seat(scene.fluid.is_some(), Role::Fluid)?;
-    let moving = scene.particles.is_some() && !scene.grains_stay;
-    let particles = seat(moving, Role::Particles)?;
+    let fluid = seat(Role::Fluid)?;
+    let particles = seat(Role::Particles)?;
     Coupling::new(scene, fluid, particles, grains)
 }
 

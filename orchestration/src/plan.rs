@@ -10,6 +10,7 @@ use protocol::configure::{
     Boundary, Convection, FluidScene, Geometry, MeshSource, Nonlinear, Scheme,
 };
 use protocol::field::Field;
+use protocol::messages::Role;
 use serde::Serialize;
 
 pub use choices::Choice;
@@ -94,10 +95,6 @@ fn coupled(scene: &Scene) -> bool {
     scene.coupler.fluid.is_some() && scene.coupler.particles.is_some()
 }
 
-fn has_particle_process(scene: &Scene) -> bool {
-    scene.coupler.particles.is_some() && !scene.coupler.grains_stay
-}
-
 /// Which processes, and how they are started.
 pub fn processes(scene: &Scene) -> Vec<Process> {
     let mut processes = Vec::new();
@@ -115,7 +112,7 @@ pub fn processes(scene: &Scene) -> Vec<Process> {
     if scene.coupler.fluid.is_some() {
         add("fluid", command(&scene.engines.fluid, "sillage-fluid"));
     }
-    if has_particle_process(scene) {
+    if scene.coupler.has_process(Role::Particles) {
         add(
             "particles",
             command(&scene.engines.particles, "sillage-particles"),
@@ -247,9 +244,9 @@ fn nonlinear(fluid: &FluidScene) -> String {
 
 fn fields(scene: &Scene) -> Vec<Exchange> {
     let mut exchanges = Vec::new();
-    let (put_out, unread) = choices::withheld(scene);
+    let withheld = choices::withheld(scene);
     let mut add = |route: &str, fields: &[Field]| {
-        let crosses = |field: &&Field| !put_out.contains(field) && !unread.contains(field);
+        let crosses = |field: &&Field| !withheld.contains(field);
         exchanges.extend(fields.iter().filter(crosses).map(|field| Exchange {
             route: route.to_string(),
             field: field.name().to_string(),
@@ -280,7 +277,7 @@ fn fields(scene: &Scene) -> Vec<Exchange> {
             ],
         );
     }
-    if has_particle_process(scene) {
+    if scene.coupler.has_process(Role::Particles) {
         if coupled(scene) {
             add(
                 "coupler → particles",

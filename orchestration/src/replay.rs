@@ -123,11 +123,7 @@ fn text(report: &Report, tolerance: f64) -> String {
 /// Replay a recording to one engine: the built-in one, or that of a command.
 pub fn replay(reader: &mut Reader, role: Role, engine: Option<&str>) -> Result<Report, Error> {
     let scene = &reader.begin().scene;
-    let there = match role {
-        Role::Fluid => scene.fluid.is_some(),
-        Role::Particles => scene.particles.is_some() && !scene.grains_stay,
-    };
-    if !there {
+    if !scene.has_process(role) {
         return Err(Error::Usage(format!(
             "{} has no {}: the scene does without",
             reader.path().display(),

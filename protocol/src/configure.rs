@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::field::Field;
+use crate::messages::Role;
+
 pub use crate::convection::Convection;
 
 /// What the fluid engine needs to know.
@@ -223,6 +226,30 @@ pub struct CouplerScene {
     pub output_every: Option<f64>,
     /// Limits on waiting for an engine.
     pub limits: Limits,
+}
+
+impl CouplerScene {
+    /// Is there a process in this seat?
+    pub fn has_process(&self, role: Role) -> bool {
+        match role {
+            Role::Fluid => self.fluid.is_some(),
+            Role::Particles => self.particles.is_some() && !self.grains_stay,
+        }
+    }
+
+    /// Fields of this engine's candidates that are not read in every pass: pressure and, where the fluid
+    /// does not feel the grains, contact states with a state that is put out; the pressure gradient, which
+    /// only grains feel, never.
+    pub fn unread(&self, role: Role) -> &'static [Field] {
+        let felt = self.fluid.is_some() && self.reaction;
+        match role {
+            _ if !self.has_process(role) => &[],
+            Role::Fluid if self.particles.is_some() => &[Field::Pressure],
+            Role::Fluid => &[Field::Pressure, Field::PressureGradient],
+            Role::Particles if felt => &[],
+            Role::Particles => &[Field::GrainContact],
+        }
+    }
 }
 
 /// Limits on waiting, all \[s\].

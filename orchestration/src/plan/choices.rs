@@ -8,6 +8,7 @@ use std::fmt;
 
 use protocol::configure::{Boundary, Convection, MeshSource, Scheme, Wall};
 use protocol::field::Field;
+use protocol::messages::Role;
 use serde::Serialize;
 
 use super::cost::Cost;
@@ -367,23 +368,14 @@ fn sub_steps(scene: &Scene) -> Option<Choice> {
     })
 }
 
-/// Fields of engines that do not come with every candidate: those of states that are put out, and those
-/// that nobody reads.
-pub fn withheld(scene: &Scene) -> (Vec<Field>, Vec<Field>) {
-    let coupler = &scene.coupler;
-    let (fluid, grains) = (coupler.fluid.is_some(), coupler.particles.is_some());
-    let felt = fluid && grains && coupler.reaction;
-    let (mut put_out, mut unread) = (Vec::new(), Vec::new());
-    if scene.leave_out && fluid {
-        put_out.push(Field::Pressure);
+/// Fields of engines that do not come with every candidate.
+pub fn withheld(scene: &Scene) -> Vec<Field> {
+    if !scene.leave_out {
+        return Vec::new();
     }
-    if scene.leave_out && fluid && !grains {
-        unread.push(Field::PressureGradient);
-    }
-    if scene.leave_out && grains && !felt && !coupler.grains_stay {
-        put_out.push(Field::GrainContact);
-    }
-    (put_out, unread)
+    [Role::Fluid, Role::Particles]
+        .map(|role| scene.coupler.unread(role))
+        .concat()
 }
 
 fn fields(scene: &Scene) -> Choice {
@@ -398,7 +390,8 @@ fn fields(scene: &Scene) -> Choice {
             .collect::<Vec<_>>()
             .join(", ")
     };
-    let (put_out, unread) = withheld(scene);
+    let is_never_read = |field: &Field| *field == Field::PressureGradient;
+    let (unread, put_out): (Vec<Field>, _) = withheld(scene).into_iter().partition(is_never_read);
     let mut reason = format!("{} with a state that is put out", names(&put_out));
     if !unread.is_empty() {
         reason += &format!("; {} never: no grain reads it", names(&unread));
