@@ -20,6 +20,37 @@ pub struct Request {
     pub tolerance: f64,
 }
 
+/// Which candidate it is: two of the same label may follow each other from pass to pass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Label {
+    /// Number of the step.
+    pub step: u64,
+    /// Pass within the step.
+    pub pass: u32,
+    /// Length Δt \[s\]: the passes of a halved step do not follow those of the whole one.
+    pub dt: f64,
+}
+
+impl Request {
+    /// Label of the candidate that answers this request.
+    pub fn label(&self) -> Label {
+        Label {
+            step: self.step,
+            pass: self.pass,
+            dt: self.dt,
+        }
+    }
+
+    /// Label of the candidate of the pass before; none in pass 0.
+    pub fn label_before(&self) -> Option<Label> {
+        let pass = self.pass.checked_sub(1)?;
+        Some(Label {
+            pass,
+            ..self.label()
+        })
+    }
+}
+
 /// What the fluid does to the grains during the step.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Forces<'a> {
@@ -62,8 +93,8 @@ pub struct ActiveContact {
 /// A computed, not yet accepted step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
-    /// Step and pass it was computed for.
-    pub label: (u64, u32),
+    /// What it was computed for.
+    pub label: Label,
     /// The state at the end.
     pub state: State,
     /// (xⁿ⁺¹ − xⁿ)/Δt \[m/s\].

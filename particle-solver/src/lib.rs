@@ -43,7 +43,7 @@ pub mod touched;
 pub mod vector;
 pub mod walls;
 
-pub use candidate::{ActiveContact, Candidate, Forces, Report, Request};
+pub use candidate::{ActiveContact, Candidate, Forces, Label, Report, Request};
 pub use error::Error;
 pub use grains::{Grains, State};
 pub use setup::Setup;

@@ -1,6 +1,6 @@
 //! One `advance`: a candidate for the end of the step, from the accepted state, which stays.
 
-use crate::candidate::{ActiveContact, Candidate, Forces, Report, Request};
+use crate::candidate::{ActiveContact, Candidate, Forces, Label, Report, Request};
 use crate::contact::{Candidate as Pair, Impulses};
 use crate::correct::{correct, smaller_radius};
 use crate::delassus::Loads;
@@ -23,7 +23,7 @@ pub struct ContactEngine {
     accepted: State,
     candidate: Option<Candidate>,
     /// Label and first impulses of the pass before the candidate's.
-    previous_pass: Option<((u64, u32), Impulses)>,
+    previous_pass: Option<(Label, Impulses)>,
     neighbours: Neighbours,
 }
 
@@ -160,7 +160,7 @@ impl ContactEngine {
         motion.report.kinetic_energy = motion.state.kinetic_energy(&self.grains, inertia_factor);
         let mean = |moved: &Vector| scale(1.0 / request.dt, *moved);
         Ok(Candidate {
-            label: (request.step, request.pass),
+            label: request.label(),
             mean_velocity: motion.displacement.iter().map(mean).collect(),
             contact: motion.touched.answer(&self.grains.fixed),
             report: motion.report,
@@ -189,11 +189,10 @@ impl ContactEngine {
         count(neighbours, &place, &free, dt, self.setup.sub_steps_max)
     }
 
-    /// Impulses to start from: accepted ones in pass 0, afterwards those of the pass before,
-    /// so that a repeated request starts from the same.
+    /// Impulses to start from: accepted ones in pass 0, afterwards those of the pass before of the
+    /// same step and length, so that a repeated request starts from the same.
     fn warm_start(&mut self, request: &Request) -> Impulses {
-        let before = (request.step, request.pass.wrapping_sub(1));
-        if request.pass > 0 {
+        if let Some(before) = request.label_before() {
             if let Some(candidate) = self.candidate.take_if(|c| c.label == before) {
                 self.previous_pass = Some((before, candidate.first_impulses));
             }

@@ -7,3 +7,4 @@ mod neighbours;
 mod packing;
 mod pathology;
 mod replay;
+mod thrown_away;
