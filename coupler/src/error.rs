@@ -10,7 +10,7 @@ pub enum CouplerError {
     Protocol(#[from] protocol::error::Error),
     /// The recording cannot be begun.
     #[error(transparent)]
-    Recording(#[from] protocol::recording::RecordingError),
+    Recording(#[from] recording::RecordingError),
     /// The resolved scene or its grains file cannot be used.
     #[error("{file}: {why}")]
     Scene {

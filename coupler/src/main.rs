@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use coupler::error::CouplerError;
 use coupler::record::Request;
-use protocol::recording::Compression;
+use recording::Compression;
 
 /// Couple a fluid engine and a particle engine: owns the clock, the scheme, the transfer and drag.
 ///

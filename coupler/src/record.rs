@@ -6,7 +6,7 @@ use protocol::channel::Channel;
 use protocol::configure::CouplerScene;
 use protocol::messages::{Diagnostic, Role};
 use protocol::monitor::MonitorSender;
-use protocol::recording::{Begin, Compression, Options, Recorder, RecordingError};
+use recording::{Begin, Compression, Options, Recorder, RecordingError};
 
 use crate::error::CouplerError;
 

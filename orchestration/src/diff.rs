@@ -4,7 +4,7 @@ pub mod steps;
 
 use std::path::Path;
 
-use protocol::recording::{Reader, compare, diff};
+use recording::{Reader, compare, diff};
 use serde_json::{Value, json};
 
 use crate::cli::DiffArgs;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use protocol::recording::RecordingError;
+use recording::RecordingError;
 use thiserror::Error;
 
 use crate::scene::problem::Problems;

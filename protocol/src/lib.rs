@@ -29,7 +29,6 @@ pub mod messages;
 pub mod monitor;
 pub mod partner;
 pub mod process;
-pub mod recording;
 pub mod runspace;
 mod seats;
 mod serve;

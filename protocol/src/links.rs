@@ -268,7 +268,7 @@ impl Counts {
 }
 
 /// The grains' fields in the order of [`GRAINS`].
-pub(crate) fn grain_slices(grains: &crate::engine::InitialGrains) -> [(Field, &[f64]); 6] {
+pub fn grain_slices(grains: &crate::engine::InitialGrains) -> [(Field, &[f64]); 6] {
     [
         (Field::GrainPosition, &grains.position),
         (Field::GrainVelocity, &grains.velocity),

@@ -4,7 +4,7 @@
 //! cargo run --release -p tests --example renew_recordings
 //! ```
 
-use protocol::recording::RecordingError;
+use recording::RecordingError;
 use tests::recorded::{cases, text_of};
 
 fn main() -> Result<(), RecordingError> {

@@ -12,7 +12,7 @@ use protocol::engine::{InitialGrains, serve_fluid, serve_particles};
 use protocol::local::{LIMITS, connect};
 use protocol::messages::Role;
 use protocol::partner::Partner;
-use protocol::recording::Recorder;
+use recording::Recorder;
 
 pub mod arguments;
 pub mod exchange;

@@ -8,7 +8,7 @@ use protocol::configure::{
 };
 use protocol::engine::InitialGrains;
 use protocol::messages::Role;
-use protocol::recording::{Begin, Options, Outcome, Reader, Recorder, RecordingError, summary};
+use recording::{Begin, Options, Outcome, Reader, Recorder, RecordingError, summary};
 
 use crate::grains::{Noise, disks, lattice, sunflower};
 use crate::{

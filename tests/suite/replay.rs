@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use protocol::messages::Role;
-use protocol::recording::{Ending, Reader, Report, compare, diff, replay};
+use recording::{Ending, Reader, Report, compare, diff, replay};
 use tests::engine;
 use tests::recorded::{Case, cases, text_of};
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use protocol::recording::Key;
-use protocol::recording::compare::Difference;
+use recording::Key;
+use recording::compare::Difference;
 
 use crate::error::Error;
 

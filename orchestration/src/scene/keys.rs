@@ -6,7 +6,7 @@ use protocol::configure::{
     AdaptiveStep, Convection, Diagonals, DragLaw, Geometry, Nonlinear, Profile, Scheme, TimeScheme,
     ViscousForm,
 };
-use protocol::recording::Compression;
+use recording::Compression;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -6,7 +6,5 @@ mod faults;
 mod header;
 mod monitor;
 mod processes;
-mod recording;
-mod recording_faults;
 mod runspaces;
 mod toy;

@@ -16,9 +16,8 @@ use protocol::partner::Partner;
 use protocol::process;
 use protocol::runspace::RunSpace;
 
-use crate::exchange::{fluid_run, particle_run};
 use crate::runspaces::files_of;
-use crate::toy::{self, Fault, ToyFluid, ToyGrains};
+use crate::toy::{self, Fault, ToyFluid, ToyGrains, fluid_run, particle_run};
 
 const ROLE: &str = "SILLAGE_TEST_ROLE";
 const FAULT: &str = "SILLAGE_TEST_FAULT";

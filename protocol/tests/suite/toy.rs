@@ -1,5 +1,6 @@
 //! Two engines that solve nothing: every output is a fixed function of the inputs and of the
 //! accepted state, so that two transports can be compared bit by bit. They can be told to misbehave.
+//! With the two runs that tests ask of them.
 
 use std::path::Path;
 use std::time::Duration;
@@ -11,7 +12,9 @@ use protocol::engine::{
     FluidAnswer, FluidEngine, FluidForces, GrainAnswer, InitialGrains, MeshDescription,
     ParticleEngine, SolidResponse,
 };
+use protocol::field::Field;
 use protocol::messages::{Advance, Capability, Diagnostic, Failure, FailureKind};
+use protocol::partner::Partner;
 
 /// What goes wrong, in the second step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -300,4 +303,72 @@ pub fn request(step: u64, pass: u32) -> Advance {
         tolerance: 1e-3,
         fields: Vec::new(),
     }
+}
+
+/// Four steps with two passes each and one rejected step; returns every bit that came back.
+pub fn fluid_run(fluid: &mut Partner, cells: usize) -> Vec<u64> {
+    let mesh = fluid.configure_fluid(&fluid_scene(cells)).unwrap();
+    assert_eq!(mesh.triangles.len(), 2 * cells);
+    let nodes = mesh.nodal_mass.len();
+    let mut bits: Vec<u64> = mesh.node_position.iter().map(|x| x.to_bits()).collect();
+    for step in 1..=4 {
+        for pass in 0..2 {
+            let porosity: Vec<f64> = (0..nodes)
+                .map(|n| 1.0 / (1.1 + n as f64 + f64::from(pass)))
+                .collect();
+            let source: Vec<f64> = (0..2 * nodes).map(|n| n as f64 * 0.3).collect();
+            let inputs = [
+                (Field::Porosity, porosity.as_slice()),
+                (Field::DragSource, source.as_slice()),
+            ];
+            let (mut velocity, mut pressure) = (Vec::new(), vec![9.0; 3]);
+            let mut outputs = [
+                (Field::InterstitialVelocity, &mut velocity),
+                (Field::Pressure, &mut pressure),
+            ];
+            let done = fluid
+                .advance(&request(step, pass), &inputs, &mut outputs)
+                .unwrap();
+            assert_eq!((done.step, done.pass), (step, pass));
+            // its own number, then what the loop adds
+            let names: Vec<&str> = done.diagnostics.iter().map(|d| d.name.as_str()).collect();
+            assert_eq!(names[1..], ["cpu_seconds", "wall_seconds"]);
+            assert!(done.diagnostics[1..].iter().all(|d| d.value >= 0.0));
+            assert_eq!((velocity.len(), pressure.len()), (2 * nodes, nodes));
+            bits.extend(velocity.iter().chain(&pressure).map(|x| x.to_bits()));
+            bits.push(done.diagnostics[0].value.to_bits());
+        }
+        fluid.commit(step).unwrap();
+    }
+    bits
+}
+
+/// Three steps of five grains.
+pub fn particle_run(particles: &mut Partner) -> Vec<u64> {
+    let grains = grains(5);
+    assert_eq!(
+        particles
+            .configure_particles(&particle_scene(), &grains)
+            .unwrap(),
+        grains
+    );
+    let mut bits = Vec::new();
+    for step in 1..=3 {
+        let (drag, force) = (vec![0.5; 5], vec![-9.81; 10]);
+        let (mut position, mut contact) = (Vec::new(), Vec::new());
+        let inputs = [
+            (Field::GrainDrag, drag.as_slice()),
+            (Field::GrainForce, force.as_slice()),
+        ];
+        let mut outputs = [
+            (Field::GrainPosition, &mut position),
+            (Field::GrainContact, &mut contact),
+        ];
+        particles
+            .advance(&request(step, 0), &inputs, &mut outputs)
+            .unwrap();
+        particles.commit(step).unwrap();
+        bits.extend(position.iter().chain(&contact).map(|x| x.to_bits()));
+    }
+    bits
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::entry::Key;
+use crate::entry::Key;
 
 /// Where the largest difference is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

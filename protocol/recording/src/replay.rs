@@ -4,19 +4,19 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::configure::MeshSource;
-use crate::engine::{InitialGrains, MeshDescription};
-use crate::error::Error;
-use crate::field::Field;
-use crate::header::Stage;
-use crate::links::{FROM_FLUID, FROM_PARTICLES, MESH, grain_slices};
-use crate::messages::{Advance, Configure, Hello, Role, ToCoupler, ToEngine};
-use crate::partner::Partner;
+use protocol::Error;
+use protocol::configure::MeshSource;
+use protocol::engine::{InitialGrains, MeshDescription};
+use protocol::field::Field;
+use protocol::header::Stage;
+use protocol::links::{FROM_FLUID, FROM_PARTICLES, MESH, grain_slices};
+use protocol::messages::{Advance, Configure, Hello, Role, ToCoupler, ToEngine};
+use protocol::partner::Partner;
 
-use super::compare::Table;
-use super::entry::{Body, Entry, Key};
-use super::error::RecordingError;
-use super::reader::Reader;
+use crate::compare::Table;
+use crate::entry::{Body, Entry, Key};
+use crate::error::RecordingError;
+use crate::reader::Reader;
 
 /// What a replay found.
 #[derive(Debug, Clone, Default, Serialize)]

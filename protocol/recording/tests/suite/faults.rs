@@ -10,9 +10,9 @@ use protocol::header::FieldHeader;
 use protocol::local::{self, LIMITS};
 use protocol::messages::Role;
 use protocol::partner::Partner;
-use protocol::recording::{Begin, Body, Ending, Entry, Options, Reader, Recorder, RecordingError};
+use recording::{Begin, Body, Ending, Entry, Options, Reader, Recorder, RecordingError};
 
-use crate::recording::{begin, read, record, run};
+use crate::runs::{begin, read, record, run};
 
 /// All entries, or the first error.
 fn try_read(path: &Path) -> Result<(Vec<Entry>, Ending), RecordingError> {
@@ -75,7 +75,7 @@ fn what_was_overwritten_anywhere_is_never_taken_for_what_was_recorded() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("toy.mcap");
     let options = Options {
-        compression: protocol::recording::Compression::None,
+        compression: recording::Compression::None,
         ..Options::default()
     };
     record(&path, options, 3);

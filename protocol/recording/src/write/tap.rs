@@ -2,21 +2,22 @@
 
 use std::time::Duration;
 
-use crate::channel::{Channel, Loan, Received, Wait};
-use crate::codec;
-use crate::error::Error;
-use crate::field::Field;
-use crate::header::{FieldHeader, Stage};
-use crate::messages::{Role, ToEngine};
+use protocol::Error;
+use protocol::channel::{Channel, Loan, Received, Wait};
+use protocol::codec;
+use protocol::field::Field;
+use protocol::header::{FieldHeader, Stage};
+use protocol::messages::{Role, ToEngine};
 
-use super::entry::Kind;
-use super::writer::{Feed, Payload};
+use crate::entry::Kind;
+
+use super::feed::{Feed, Payload};
 
 /// The coupler's end of a link, recorded. Copies are made after sending, while the engine works.
-pub(super) struct Tap {
-    pub(super) inner: Box<dyn Channel>,
-    pub(super) role: Role,
-    pub(super) feed: Feed,
+pub(crate) struct Tap {
+    pub(crate) inner: Box<dyn Channel>,
+    pub(crate) role: Role,
+    pub(crate) feed: Feed,
 }
 
 impl Tap {

@@ -1,60 +1,20 @@
-//! Recordings: every field and control message of a run, both directions, in one MCAP file.
-//!
-//! ```text
-//!   coupler ──► Tap ──► engine          Tap      a channel that hands a copy of all that passes …
-//!                │ copy, never waits
-//!                ▼
-//!             queue (bytes bounded) ──► thread: JSON, CRC-32C, zstd ──► exchange.mcap
-//! ```
-//!
-//! | topic | payload after the header |
-//! | --- | --- |
-//! | `run/begin` | JSON [`Begin`]: format, protocol, versions, scene, mesh file |
-//! | `fluid/<field>`, `particles/<field>` | `f64`, little endian, as exchanged |
-//! | `fluid/request`, `particles/request` | JSON of a [`ToEngine`](crate::messages::ToEngine) |
-//! | `fluid/answer`, `particles/answer` | JSON of a [`ToCoupler`](crate::messages::ToCoupler) |
-//! | `run/end` | JSON [`End`]: whether all is in it, and how the run ended |
-//!
-//! Every payload stands behind 64 bytes: the header of the wire, in which bytes 56–59 are the CRC-32C
-//! of all others and of the payload, and bytes 60–63 the attempt. `log_time` is the integer [`Key`],
-//! `publish_time` the wall clock in ns since 1970, `sequence` counts messages without a gap.
-//!
-//! The recorder never waits: what the writing thread cannot take any more (queue full, disk full) ends
-//! the recording, not the run. Chunks are written whole, at least once a second, so the file of a
-//! killed run can be read up to its last whole chunk.
-
-pub mod compare;
-pub mod diff;
-mod entry;
-mod error;
-mod reader;
-mod replay;
-mod summary;
-mod tap;
-mod writer;
-
-pub use entry::{Body, Entry, Key};
-pub use error::RecordingError;
-pub use reader::{Ending, Reader};
-pub use replay::{ReplayError, Report, replay};
-pub use summary::summary;
-pub use writer::{Options, Outcome, Recorder};
+//! The first and the last message of a recording, and what marks a file as ours.
 
 use serde::{Deserialize, Serialize};
 
-use crate::PROTOCOL_VERSION;
-use crate::configure::{CouplerScene, MeshSource};
+use protocol::PROTOCOL_VERSION;
+use protocol::configure::{CouplerScene, MeshSource};
+
+use crate::error::RecordingError;
 
 /// Version of the layout described above.
 pub const FORMAT: u32 = 1;
 
 /// MCAP profile of our files.
-const PROFILE: &str = "sillage";
+pub(crate) const PROFILE: &str = "sillage";
 /// Topics of the recorder itself.
-const BEGIN: &str = "run/begin";
-const END: &str = "run/end";
-/// Bytes before each payload.
-const HEADER: usize = 64;
+pub(crate) const BEGIN: &str = "run/begin";
+pub(crate) const END: &str = "run/end";
 
 /// How chunks are compressed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

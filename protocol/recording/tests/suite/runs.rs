@@ -11,13 +11,12 @@ use protocol::header::Stage;
 use protocol::local::{self, LIMITS};
 use protocol::messages::{Advance, Capability, Diagnostic, Failure, Role, ToCoupler, ToEngine};
 use protocol::partner::Partner;
-use protocol::recording::{
+use recording::{
     Begin, Body, Compression, Ending, Entry, Key, Options, Outcome, Reader, Recorder, Report,
     compare, diff, replay, summary,
 };
 
-use crate::exchange::{fluid_run, particle_run};
-use crate::toy::{self, Fault, ToyFluid, ToyGrains};
+use crate::toy::{self, Fault, ToyFluid, ToyGrains, fluid_run, particle_run};
 
 pub fn begin(cells: usize) -> Begin {
     let scene = CouplerScene {

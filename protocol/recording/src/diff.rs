@@ -7,12 +7,12 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::messages::{Diagnostic, ToCoupler, ToEngine};
+use protocol::messages::{Diagnostic, ToCoupler, ToEngine};
 
-use super::compare::Table;
-use super::entry::{Body, Entry, Key, Kind, topic};
-use super::error::RecordingError;
-use super::reader::Reader;
+use crate::compare::Table;
+use crate::entry::{Body, Entry, Key, Kind, topic};
+use crate::error::RecordingError;
+use crate::reader::Reader;
 
 /// What two recordings differ in.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -228,7 +228,7 @@ pub fn text(differences: &Differences, tolerance: f64) -> String {
     for line in &differences.about {
         text += &format!("{line}\n");
     }
-    text += &super::compare::text(&differences.fields, tolerance);
+    text += &crate::compare::text(&differences.fields, tolerance);
     let unequal: u64 = differences
         .messages_unequal
         .values()

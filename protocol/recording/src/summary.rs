@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::messages::{ToCoupler, ToEngine};
+use protocol::messages::{ToCoupler, ToEngine};
 
-use super::entry::{Body, Kind, topic};
-use super::error::RecordingError;
-use super::reader::{Ending, Reader};
+use crate::entry::{Body, Kind, topic};
+use crate::error::RecordingError;
+use crate::reader::{Ending, Reader};
 
 /// One topic.
 #[derive(Default)]

@@ -1,10 +1,11 @@
 //! One message of a recording: its key, its topic, its bytes.
 
-use crate::field::Field;
-use crate::header::FieldHeader;
-use crate::messages::{Role, ToCoupler, ToEngine};
+use protocol::field::Field;
+use protocol::header::FieldHeader;
+use protocol::messages::{Role, ToCoupler, ToEngine};
 
-use super::HEADER;
+/// Bytes before each payload.
+const HEADER: usize = 64;
 
 /// Where in the run a message was exchanged; ordered as the exchange was.
 ///
@@ -85,14 +86,14 @@ pub struct Entry {
 
 /// Kind of a message, and last part of its topic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     Field(Field),
     Request,
     Answer,
 }
 
 impl Kind {
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Kind::Field(field) => field.name(),
             Kind::Request => "request",
@@ -102,12 +103,12 @@ impl Kind {
 }
 
 /// "fluid/porosity".
-pub(super) fn topic(seat: Role, kind: Kind) -> String {
+pub(crate) fn topic(seat: Role, kind: Kind) -> String {
     format!("{}/{}", seat.seat(), kind.name())
 }
 
 /// The seat and the kind of a topic, where it is one of ours.
-pub(super) fn parse_topic(topic: &str) -> Option<(Role, Kind)> {
+pub(crate) fn parse_topic(topic: &str) -> Option<(Role, Kind)> {
     let (seat, name) = topic.split_once('/')?;
     let seat = [Role::Fluid, Role::Particles]
         .into_iter()
@@ -121,7 +122,7 @@ pub(super) fn parse_topic(topic: &str) -> Option<(Role, Kind)> {
 }
 
 /// Header with check sum and attempt, then the payload.
-pub(super) fn encode(header: &FieldHeader, attempt: u32, payload: &[u8], bytes: &mut Vec<u8>) {
+pub(crate) fn encode(header: &FieldHeader, attempt: u32, payload: &[u8], bytes: &mut Vec<u8>) {
     bytes.clear();
     bytes.reserve(HEADER + payload.len());
     for word in [header.protocol, header.field] {
@@ -153,7 +154,7 @@ fn check_sum(bytes: &[u8]) -> u32 {
 }
 
 /// The header and the payload; an error says what does not fit.
-pub(super) fn decode(bytes: &[u8]) -> Result<(FieldHeader, &[u8]), String> {
+pub(crate) fn decode(bytes: &[u8]) -> Result<(FieldHeader, &[u8]), String> {
     let Some((head, payload)) = bytes.split_at_checked(HEADER) else {
         return Err(format!(
             "{} bytes are less than a header of {HEADER}",
@@ -185,7 +186,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<(FieldHeader, &[u8]), String> {
 }
 
 /// Numbers as bytes, little endian.
-pub(super) fn to_bytes(values: &[f64], bytes: &mut Vec<u8>) {
+pub(crate) fn to_bytes(values: &[f64], bytes: &mut Vec<u8>) {
     bytes.clear();
     bytes.resize(8 * values.len(), 0);
     for (place, value) in bytes.chunks_exact_mut(8).zip(values) {
@@ -194,7 +195,7 @@ pub(super) fn to_bytes(values: &[f64], bytes: &mut Vec<u8>) {
 }
 
 /// Numbers from bytes, little endian.
-pub(super) fn to_numbers(bytes: &[u8]) -> Result<Vec<f64>, String> {
+pub(crate) fn to_numbers(bytes: &[u8]) -> Result<Vec<f64>, String> {
     let (numbers, rest) = bytes.as_chunks::<8>();
     if !rest.is_empty() {
         return Err(format!("{} bytes are no whole numbers", bytes.len()));

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::PROTOCOL_VERSION;
+use protocol::PROTOCOL_VERSION;
 
 /// Why a recording cannot be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -69,7 +69,7 @@ impl RecordingError {
         }
     }
 
-    pub(super) fn file(
+    pub(crate) fn file(
         action: &'static str,
         path: impl AsRef<Path>,
         source: std::io::Error,
@@ -81,14 +81,14 @@ impl RecordingError {
         }
     }
 
-    pub(super) fn foreign(path: &Path, why: impl Into<String>) -> RecordingError {
+    pub(crate) fn foreign(path: &Path, why: impl Into<String>) -> RecordingError {
         RecordingError::Foreign {
             path: path.to_path_buf(),
             why: why.into(),
         }
     }
 
-    pub(super) fn protocol(path: &Path, theirs: u64) -> RecordingError {
+    pub(crate) fn protocol(path: &Path, theirs: u64) -> RecordingError {
         RecordingError::Version {
             path: path.to_path_buf(),
             what: "protocol",

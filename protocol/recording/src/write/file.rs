@@ -8,23 +8,24 @@ use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use mcap::{McapError, WriteOptions, Writer};
 
-use crate::codec;
-use crate::header::FieldHeader;
-use crate::messages::{Role, ToCoupler, ToEngine};
+use protocol::codec;
+use protocol::header::FieldHeader;
+use protocol::messages::{Role, ToCoupler, ToEngine};
 
-use super::super::entry::{Kind, encode, to_bytes, topic};
-use super::super::{BEGIN, Compression, END, End, FORMAT, PROFILE};
-use super::{Payload, Raw, now};
+use crate::begin::{BEGIN, Compression, END, End, FORMAT, PROFILE};
+use crate::entry::{Kind, encode, to_bytes, topic};
+
+use super::feed::{Payload, Raw, now};
 
 /// A chunk is closed when it is older, so that little is lost when the run is killed.
-pub(super) const CHUNK_AGE: Duration = Duration::from_secs(1);
+pub(crate) const CHUNK_AGE: Duration = Duration::from_secs(1);
 /// A chunk is closed when it is larger \[bytes\].
 const CHUNK_SIZE: u64 = 1 << 20;
 /// Largest message \[bytes\]; readers refuse chunks above twice that.
 const MESSAGE_MAX: usize = 1 << 29;
 
 /// Where messages are written; every error is told in words.
-pub(super) struct Output {
+pub(crate) struct Output {
     writer: Writer<NoSeek<File>>,
     /// The same open file.
     file: File,
@@ -48,7 +49,7 @@ fn words(error: McapError) -> String {
 
 impl Output {
     /// Write the first message.
-    pub(super) fn create(
+    pub(crate) fn create(
         file: File,
         compression: Compression,
         begin: &[u8],
@@ -100,7 +101,7 @@ impl Output {
         self.put(id, self.latest, now())
     }
 
-    pub(super) fn message(&mut self, raw: &Raw) -> Result<(), String> {
+    pub(crate) fn message(&mut self, raw: &Raw) -> Result<(), String> {
         match &raw.payload {
             Payload::Numbers(values) => to_bytes(values, &mut self.payload),
             Payload::Bytes(bytes) => self.payload = json(raw.kind, bytes),
@@ -163,7 +164,7 @@ impl Output {
     }
 
     /// Close the chunk.
-    pub(super) fn flush(&mut self) -> Result<(), String> {
+    pub(crate) fn flush(&mut self) -> Result<(), String> {
         self.chunk_since = Instant::now();
         self.writer.flush().map_err(words)?;
         self.sound = self.size()?;
@@ -171,7 +172,7 @@ impl Output {
     }
 
     /// Write the last message and the index; messages before it and bytes in all.
-    pub(super) fn end(
+    pub(crate) fn end(
         mut self,
         why: Option<String>,
         exit: Option<i32>,
@@ -205,7 +206,7 @@ impl Output {
     }
 
     /// Writing failed: cut the file after its last whole chunk.
-    pub(super) fn abandon(self) {
+    pub(crate) fn abandon(self) {
         let Output {
             writer,
             file,

@@ -14,13 +14,13 @@ use mcap::records::{Channel, MessageHeader, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, McapResult};
 
-use crate::PROTOCOL_VERSION;
-use crate::header::FieldHeader;
-use crate::messages::Role;
+use protocol::PROTOCOL_VERSION;
+use protocol::header::FieldHeader;
+use protocol::messages::Role;
 
-use super::entry::{Body, Entry, Key, Kind, decode, parse_topic, to_numbers};
-use super::error::RecordingError;
-use super::{BEGIN, Begin, END, End, FORMAT, PROFILE};
+use crate::begin::{BEGIN, Begin, END, End, FORMAT, PROFILE};
+use crate::entry::{Body, Entry, Key, Kind, decode, parse_topic, to_numbers};
+use crate::error::RecordingError;
 
 /// Largest record or chunk that is read \[bytes\]; the writer keeps messages below half of it.
 const RECORD_MAX: usize = 1 << 30;

@@ -1,0 +1,193 @@
+//! The recorder: makes the file and the thread that writes it, hands out taps, ends the recording.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::Duration;
+
+use protocol::channel::Channel;
+use protocol::messages::Role;
+
+use crate::begin::{Begin, Compression};
+use crate::error::RecordingError;
+
+use super::feed::{Feed, Item, Outcome, Shared, lock};
+use super::file::{CHUNK_AGE, Output};
+use super::tap::Tap;
+
+/// How a recording is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Options {
+    /// Of the chunks.
+    pub compression: Compression,
+    /// Bytes that may wait for the disk; more end the recording.
+    pub queue: usize,
+    /// How long the end of a run may wait for the disk.
+    pub patience: Duration,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            compression: Compression::Zstd,
+            queue: 256 << 20,
+            patience: Duration::from_secs(60),
+        }
+    }
+}
+
+/// Records what passes through its taps.
+pub struct Recorder {
+    path: PathBuf,
+    patience: Duration,
+    feed: Feed,
+}
+
+impl Recorder {
+    /// Make the file. What goes wrong with it later ends the recording and is told by
+    /// [`Recorder::finish`].
+    pub fn create(
+        path: &Path,
+        options: Options,
+        begin: &Begin,
+    ) -> Result<Recorder, RecordingError> {
+        let unusable = |error| RecordingError::file("cannot write the recording", path, error);
+        let file = File::create(path).map_err(unusable)?;
+        let (queue, items) = channel();
+        let shared = Shared::with_room_for(options.queue);
+        let begin =
+            serde_json::to_vec(begin).map_err(|error| unusable(std::io::Error::other(error)))?;
+        let theirs = std::sync::Arc::clone(&shared);
+        std::thread::Builder::new()
+            .name("recorder".to_owned())
+            .spawn(move || write(file, options.compression, &begin, &items, &theirs))
+            .map_err(unusable)?;
+        Ok(Recorder {
+            path: path.to_path_buf(),
+            patience: options.patience,
+            feed: Feed { queue, shared },
+        })
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Why nothing is recorded any more, when that is so.
+    pub fn trouble(&self) -> Option<String> {
+        if !self.feed.shared.over.load(Ordering::Acquire) {
+            return None;
+        }
+        lock(&self.feed.shared.why).clone()
+    }
+
+    /// The coupler's end of a link, recorded.
+    pub fn tap(&self, role: Role, channel: Box<dyn Channel>) -> Box<dyn Channel> {
+        Box::new(Tap {
+            inner: channel,
+            role,
+            feed: self.feed.clone(),
+        })
+    }
+
+    /// The run ends with this exit code: write what waits, and the end. Waits for the disk, but not
+    /// for ever.
+    pub fn finish(self, exit: i32) -> Outcome {
+        let (reply, outcome) = channel();
+        let shared = &self.feed.shared;
+        let _ = self.feed.queue.send(Item::Finish(exit, reply));
+        outcome.recv_timeout(self.patience).unwrap_or_else(|_| {
+            let waiting = shared.waiting.load(Ordering::Acquire);
+            shared.end(format!(
+                "{:.1} MB were not taken by the disk within {} s",
+                waiting as f64 / 1e6,
+                self.patience.as_secs_f64()
+            ));
+            Outcome {
+                complete: false,
+                why: lock(&shared.why).clone(),
+                messages: 0,
+                bytes: std::fs::metadata(&self.path).map_or(0, |meta| meta.len()),
+                cpu_seconds: 0.0,
+            }
+        })
+    }
+}
+
+/// Body of the thread: messages in the order they come, until the end of the run.
+fn write(
+    file: File,
+    compression: Compression,
+    begin: &[u8],
+    items: &Receiver<Item>,
+    shared: &Shared,
+) {
+    let mut output = Output::create(file, compression, begin);
+    if let Err(why) = &output {
+        shared.end(why.clone());
+    }
+    let mut finish = None;
+    loop {
+        let item = items.recv_timeout(CHUNK_AGE);
+        let result = match (item, &mut output) {
+            (Ok(Item::Message(raw)), Ok(output)) => {
+                let result = output.message(&raw);
+                shared.waiting.fetch_sub(raw.size, Ordering::AcqRel);
+                result
+            }
+            (Ok(Item::Message(raw)), Err(_)) => {
+                shared.waiting.fetch_sub(raw.size, Ordering::AcqRel);
+                Ok(())
+            }
+            (Err(RecvTimeoutError::Timeout), Ok(output)) => output.flush(),
+            (Err(RecvTimeoutError::Timeout), Err(_)) => Ok(()),
+            (Ok(Item::Finish(exit, reply)), _) => {
+                finish = Some((exit, reply));
+                break;
+            }
+            // Dropped without finish(): the run broke.
+            (Err(RecvTimeoutError::Disconnected), _) => {
+                shared.end("the run ended without a word".to_owned());
+                break;
+            }
+        };
+        if let Err(why) = result {
+            shared.end(why.clone());
+            let broken = std::mem::replace(&mut output, Err(why));
+            let _ = broken.map(Output::abandon);
+        }
+    }
+    let why = lock(&shared.why).clone();
+    let exit = finish.as_ref().map(|(exit, _)| *exit);
+    let written = output.and_then(|output| output.end(why.clone(), exit));
+    let cpu_seconds = cpu_of_this_thread();
+    let outcome = match written {
+        Ok((messages, bytes)) => Outcome {
+            complete: why.is_none(),
+            why,
+            messages,
+            bytes,
+            cpu_seconds,
+        },
+        Err(error) => {
+            shared.end(error);
+            Outcome {
+                complete: false,
+                why: lock(&shared.why).clone(),
+                messages: 0,
+                bytes: 0,
+                cpu_seconds,
+            }
+        }
+    };
+    if let Some((_, reply)) = finish {
+        let _ = reply.send(outcome);
+    }
+}
+
+fn cpu_of_this_thread() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
