@@ -91,20 +91,29 @@ struct Iteration {
 }
 
 impl Coupling {
-    /// S1 to S6 of a step of length dt with fluid and grains; nothing is committed.
+    /// A step of length dt with fluid and grains under the scene's scheme; nothing is committed.
     pub(crate) fn coupled_step(&mut self, dt: f64) -> Result<Outcome, CouplerError> {
-        let placement = self.place(dt)?;
-        let porosity = self.porosity(&placement)?;
-        let mut iteration = self.begin(&placement, porosity, dt)?;
-        let (tolerance, passes_max) = match self.scene.scheme {
-            Scheme::SemiImplicit => return self.semi_implicit_step(dt),
-            Scheme::Explicit => return self.explicit_step(dt),
-            Scheme::Staggered => (f64::INFINITY, 1),
+        match self.scene.scheme {
+            Scheme::Staggered => self.passes(dt, f64::INFINITY, 1),
             Scheme::Iterated {
                 tolerance,
                 passes_max,
-            } => (tolerance, passes_max),
-        };
+            } => self.passes(dt, tolerance, passes_max),
+            Scheme::SemiImplicit => self.semi_implicit_step(dt),
+            Scheme::Explicit => self.explicit_step(dt),
+        }
+    }
+
+    /// S1 to S6: passes until the defect is at most `tolerance`.
+    fn passes(
+        &mut self,
+        dt: f64,
+        tolerance: f64,
+        passes_max: u32,
+    ) -> Result<Outcome, CouplerError> {
+        let placement = self.place(dt)?;
+        let porosity = self.porosity(&placement)?;
+        let mut iteration = self.begin(&placement, porosity, dt)?;
         let mut pass = 1;
         loop {
             let mut outcome = self.pass(&mut iteration, &placement, dt, pass)?;
