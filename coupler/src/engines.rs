@@ -265,8 +265,7 @@ impl ParticleSeat {
         let request = request.advance(sub_steps, tolerance);
         let done = partner.advance(&request, &inputs, &mut outputs)?;
         self.diagnostics = done.diagnostics;
-        candidate.sub_steps =
-            value(&self.diagnostics, "sub_steps").map_or(1, |count| count.max(1.0) as u32);
+        candidate.sub_steps = sub_steps_of(partner.hello(), request.step, &self.diagnostics)?;
         self.wall += begin.elapsed().as_secs_f64();
         Ok(candidate)
     }
@@ -291,6 +290,19 @@ impl ParticleSeat {
             contact: vec![HELD; count],
             sub_steps: 1,
         }
+    }
+}
+
+/// Sub-steps of a candidate: the response that the fluid is told is a mean over them, so an engine
+/// must say how many it took.
+fn sub_steps_of(hello: &Hello, step: u64, diagnostics: &[Diagnostic]) -> Result<u32, CouplerError> {
+    match value(diagnostics, "sub_steps") {
+        Some(count) if count >= 1.0 => Ok(count as u32),
+        told => Err(CouplerError::SubSteps {
+            engine: hello.engine.clone(),
+            step,
+            told: told.map_or("nothing".to_owned(), |count| format!("{count}")),
+        }),
     }
 }
 

@@ -77,6 +77,19 @@ pub enum CouplerError {
         /// All grains.
         grains: usize,
     },
+    /// A particle engine does not tell how many sub-steps a candidate took.
+    #[error(
+        "step {step}: the particle engine `{engine}` must report how many sub-steps its candidate \
+         took (diagnostic `sub_steps`, 1 or more), it reported {told}"
+    )]
+    SubSteps {
+        /// Its name.
+        engine: String,
+        /// Which step.
+        step: u64,
+        /// What it reported.
+        told: String,
+    },
     /// A value that must be finite is not.
     #[error("step {step}: {what} is not finite")]
     NotFinite {
@@ -116,6 +129,7 @@ impl CouplerError {
             CouplerError::Recording(error) => error.exit_code(),
             CouplerError::Scene { .. } => 2,
             CouplerError::GrainOutside { .. }
+            | CouplerError::SubSteps { .. }
             | CouplerError::Porosity { .. }
             | CouplerError::Smoothing { .. }
             | CouplerError::NotFinite { .. } => 7,

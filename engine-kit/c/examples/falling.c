@@ -69,7 +69,7 @@ static int32_t advance(sillage_engine *engine, void *user, const sillage_request
         answer->velocity[k] = *v;
     }
     memset(answer->contact, 0, m->count * sizeof(double));
-    return sillage_report(engine, "kinetic_energy", energy) == 0
+    return sillage_report(engine, "kinetic_energy", energy) == 0 && sillage_report(engine, "sub_steps", 1) == 0
                ? 0
                : sillage_fail(engine, SILLAGE_FAILURE_NOT_FINITE, sillage_last_error());
 }

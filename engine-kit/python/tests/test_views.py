@@ -35,7 +35,7 @@ class Falling(sillage.ParticleEngine):
         self.candidate = (g.position + dt * velocity, velocity)
         if self.on_advance:
             self.on_advance(self, inputs, outputs)
-        return {"kinetic_energy": 0.5 * (g.mass * (velocity**2).sum(1)).sum()}
+        return {"sub_steps": 1, "kinetic_energy": 0.5 * (g.mass * (velocity**2).sum(1)).sum()}
 
     def commit(self):
         self.grains.position, self.grains.velocity = self.candidate

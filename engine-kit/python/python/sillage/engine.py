@@ -91,8 +91,8 @@ class ParticleEngine(_Engine):
         g × 2], ``grain_mean_velocity`` (displacement over dt, before periodic wrapping) [m/s, g × 2],
         ``grain_contact`` (0 free, 1 touches, 2 held by a wall) [g]; all must be written.
 
-        Diagnostics and exceptions as in :meth:`FluidEngine.advance`. Report ``sub_steps`` where there
-        are several: the coupler models the drag over them.
+        Diagnostics and exceptions as in :meth:`FluidEngine.advance`. Must report ``sub_steps``
+        (1 where the step is not cut): the coupler models the drag over them.
         """
         raise NotImplementedError
 
