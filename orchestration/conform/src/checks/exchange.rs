@@ -1,0 +1,288 @@
+//! Hello, `Ready`, a candidate, `Finish`: shapes, names, numbers.
+
+use protocol::engine::{InitialGrains, MeshDescription};
+use protocol::field::Field;
+use protocol::messages::{Capability, Role};
+use protocol::runspace::RunSpace;
+
+use crate::bench::{Bench, Candidate, Model};
+use crate::case::{Case, Part};
+use crate::check::{ANSWERS, Check, HELLO, NOTHING, READY, Trouble};
+use crate::subject::Subject;
+
+pub(super) const CHECKS: &[Check] = &[
+    Check::new(
+        "no-run",
+        "without SILLAGE_RUN it leaves with exit code 3",
+        NOTHING,
+        no_run,
+    ),
+    Check::new(
+        "hello",
+        "it says hello: its seat, protocol 1, a name, a version, its process",
+        NOTHING,
+        hello,
+    ),
+    Check::new(
+        "no-coupler",
+        "without a coupler it leaves with exit code 6 after SILLAGE_CONNECT_LIMIT",
+        HELLO,
+        no_coupler,
+    ),
+    Check::new(
+        "seat-taken",
+        "a second process in its seat leaves with exit code 3, the first goes on",
+        HELLO,
+        seat_taken,
+    ),
+    Check::new(
+        "ready",
+        "Configure is answered by Ready with a sound mesh or grains",
+        HELLO,
+        ready,
+    ),
+    Check::new(
+        "advance",
+        "Advance is answered by every field, of its shape, finite and sound",
+        READY,
+        advance,
+    ),
+    Check::new(
+        "defaults",
+        "inputs that are not listed have their defaults",
+        ANSWERS,
+        defaults,
+    ),
+    Check::new(
+        "many-steps",
+        "twenty steps of several passes go through",
+        ANSWERS,
+        many_steps,
+    ),
+    Check::new(
+        "finish",
+        "after Finish it leaves its seat with exit code 0",
+        HELLO,
+        finish,
+    ),
+];
+
+fn no_run(case: &Case) -> Result<(), Trouble> {
+    let mut subject = Subject::start(&case.command, &[]).map_err(|e| e.to_string())?;
+    Ok(subject.must_leave(3, case.patience())?)
+}
+
+fn hello(case: &Case) -> Result<(), Trouble> {
+    let bench = Bench::greet(case)?;
+    let hello = bench.partner.hello();
+    if hello.engine.trim().is_empty() || hello.version.trim().is_empty() {
+        let why = format!(
+            "name {:?} and version {:?} must not be empty",
+            hello.engine, hello.version
+        );
+        return Err(why.into());
+    }
+    let alive = std::path::Path::new(&format!("/proc/{}", hello.process)).exists();
+    if !alive {
+        return Err(format!(
+            "its hello names process {}, which is not there",
+            hello.process
+        )
+        .into());
+    }
+    for (place, capability) in hello.capabilities.iter().enumerate() {
+        let foreign = match capability {
+            Capability::AffineResponse | Capability::ConvectionAsNeeded => case.role != Role::Fluid,
+            Capability::ImplicitDrag | Capability::ContactState => case.role != Role::Particles,
+            Capability::Checkpoint | Capability::FieldsOnRequest => false,
+        };
+        if foreign || hello.capabilities[..place].contains(capability) {
+            let why = format!("it declares {capability:?} twice or in the wrong seat");
+            return Err(why.into());
+        }
+    }
+    Ok(())
+}
+
+fn no_coupler(case: &Case) -> Result<(), Trouble> {
+    const LIMIT: &str = "0.3";
+    let runspace = RunSpace::create().map_err(|e| e.to_string())?;
+    let mut variables = runspace.to_environment();
+    variables.push(("SILLAGE_CONNECT_LIMIT".to_owned(), LIMIT.to_owned()));
+    let mut subject = Subject::start(&case.command, &variables).map_err(|e| e.to_string())?;
+    // It may take long to start; the limit counts from when it knocks.
+    Ok(subject.must_leave(6, case.patience())?)
+}
+
+fn seat_taken(case: &Case) -> Result<(), Trouble> {
+    let runspace = RunSpace::create().map_err(|e| e.to_string())?;
+    let mut first = Bench::greet_with(case, &runspace, &[])?;
+    let second = Subject::start(&case.command, &runspace.to_environment());
+    second
+        .map_err(|e| e.to_string())?
+        .must_leave(3, case.patience())?;
+    let configured = first.configure();
+    configured.map_err(|why| format!("the first, after the second was refused: {why}"))?;
+    Ok(())
+}
+
+fn ready(case: &Case) -> Result<(), Trouble> {
+    let mut bench = Bench::greet(case)?;
+    let model = bench.configure()?;
+    if bench.partner.epoch() == 0 {
+        return Err("its epoch is 0, epochs count from 1".to_owned().into());
+    }
+    match model {
+        Model::Mesh(mesh) => Ok(sound_mesh(&mesh)?),
+        Model::Grains(grains) => Ok(sound_grains(case, &grains)?),
+    }
+}
+
+/// What the coupler relies on, beyond what it checks itself (orientation, positive mass, corners).
+fn sound_mesh(mesh: &MeshDescription) -> Result<(), String> {
+    const ROUND_OFF: f64 = 1e-9;
+    let mut area = 0.0;
+    for (triangle, p) in mesh.triangle_position.iter().enumerate() {
+        area += 0.5 * ((p[2] - p[0]) * (p[5] - p[1]) - (p[4] - p[0]) * (p[3] - p[1]));
+        for corner in 0..3 {
+            let node = mesh.triangles[triangle][corner] as usize;
+            for axis in 0..2 {
+                let apart = p[2 * corner + axis] - mesh.node_position[2 * node + axis];
+                let size = (p[2 + axis] - p[axis])
+                    .abs()
+                    .max((p[4 + axis] - p[axis]).abs());
+                let periods =
+                    mesh.period[axis].map_or(0.0, |period| (apart / period).round() * period);
+                if (apart - periods).abs() > ROUND_OFF * size {
+                    return Err(format!(
+                        "corner {corner} of triangle {triangle} lies {apart:e} m from its node {node}"
+                    ));
+                }
+            }
+        }
+    }
+    let mass: f64 = mesh.nodal_mass.iter().sum();
+    if (mass - area).abs() > ROUND_OFF * area {
+        return Err(format!(
+            "nodal_mass sums to {mass:e} m², the triangles cover {area:e}; it must be ∫N of each node"
+        ));
+    }
+    Ok(())
+}
+
+fn sound_grains(case: &Case, grains: &InitialGrains) -> Result<(), String> {
+    let Part::Particles(_, given) = &case.part else {
+        return Ok(());
+    };
+    if grains.radius.is_empty() {
+        return Err(format!("{} grains given, it runs none", given.radius.len()));
+    }
+    match grains
+        .fixed
+        .iter()
+        .position(|&fixed| fixed != 0.0 && fixed != 1.0)
+    {
+        Some(grain) => Err(format!(
+            "grain_fixed of grain {grain} is {}, must be 0 or 1",
+            grains.fixed[grain]
+        )),
+        None => Ok(()),
+    }
+}
+
+fn advance(case: &Case) -> Result<(), Trouble> {
+    let mut bench = Bench::greet(case)?;
+    let model = bench.configure()?;
+    let candidate = bench.step(1, 0)?;
+    if let Model::Grains(grains) = model {
+        let contact_state = bench
+            .partner
+            .hello()
+            .capabilities
+            .contains(&Capability::ContactState);
+        sound_motion(case, &grains, &candidate, contact_state)?;
+    }
+    Ok(())
+}
+
+/// Fixed grains stay, displacements are the mean velocity, contact states are known ones.
+fn sound_motion(
+    case: &Case,
+    grains: &InitialGrains,
+    candidate: &Candidate,
+    contact_state: bool,
+) -> Result<(), String> {
+    const ROUND_OFF: f64 = 1e-9;
+    let position = candidate.field(Field::GrainPosition);
+    let mean = candidate.field(Field::GrainMeanVelocity);
+    let period = match &case.part {
+        Part::Particles(scene, _) => scene.period,
+        Part::Fluid(_) => [None; 2],
+    };
+    for k in 0..position.len() {
+        let (grain, moved) = (k / 2, position[k] - grains.position[k]);
+        if grains.fixed[grain] != 0.0 && (moved != 0.0 || mean[k] != 0.0) {
+            return Err(format!("fixed grain {grain} moved by {moved:e} m"));
+        }
+        let told = case.dt * mean[k];
+        let size = grains.position[k].abs() + grains.radius[grain] + told.abs();
+        if period[k % 2].is_none() && (moved - told).abs() > ROUND_OFF * size {
+            return Err(format!(
+                "grain {grain} moved by {moved:e} m, its grain_mean_velocity times dt is {told:e}"
+            ));
+        }
+    }
+    let most = if contact_state { 2.0 } else { 1.0 };
+    let contact = candidate.field(Field::GrainContact);
+    match contact
+        .iter()
+        .position(|&state| state.fract() != 0.0 || !(0.0..=most).contains(&state))
+    {
+        Some(grain) => Err(format!(
+            "grain_contact of grain {grain} is {}, must be a whole number from 0 to {most}{}",
+            contact[grain],
+            if contact_state {
+                ""
+            } else {
+                " (ContactState is not declared)"
+            }
+        )),
+        None => Ok(()),
+    }
+}
+
+fn defaults(case: &Case) -> Result<(), Trouble> {
+    let mut bench = Bench::ready(case)?;
+    bench.advance(&case.request(1, 0), &Vec::new())?;
+    Ok(())
+}
+
+fn many_steps(case: &Case) -> Result<(), Trouble> {
+    const STEPS: u64 = 20;
+    let mut bench = Bench::ready(case)?;
+    for step in 1..=STEPS {
+        for pass in 0..=(step % 3) as u32 {
+            let inputs = bench.inputs(pass);
+            bench.advance(&case.request(step, pass), &inputs)?;
+        }
+        bench.commit(step)?;
+    }
+    bench.finish()?;
+    Ok(())
+}
+
+fn finish(case: &Case) -> Result<(), Trouble> {
+    let runspace = RunSpace::create().map_err(|e| e.to_string())?;
+    let mut bench = Bench::greet_with(case, &runspace, &[])?;
+    bench.configure()?;
+    bench.finish()?;
+    let seat = format!(
+        "/dev/shm/sillage-{}/members/{}",
+        runspace.id(),
+        case.role.seat()
+    );
+    if std::path::Path::new(&seat).exists() {
+        return Err(format!("it left and {seat} is still there").into());
+    }
+    Ok(())
+}

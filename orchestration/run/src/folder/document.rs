@@ -1,0 +1,106 @@
+//! `run.json`: what was run, by what, on what, at which cost, and how it ended.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use protocol::messages::Hello;
+use scene::error::{Error, exit_code};
+use scene::{Scene, plan};
+use serde_json::{Value, json};
+
+use super::run_folder::RunFolder;
+use super::steps::Summary;
+use super::{machine, recorded};
+use crate::{file, version};
+
+/// How a run ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ending {
+    /// Exit code of the run.
+    pub code: i32,
+    /// Why, when it ended early.
+    pub why: Option<String>,
+    /// Wall time of the whole run, start of processes included \[s\].
+    pub wall: f64,
+    /// CPU time of each process \[s\].
+    pub cpu: BTreeMap<String, f64>,
+    /// Largest resident memory of each process \[bytes\].
+    pub memory_peak: BTreeMap<String, u64>,
+}
+
+/// Versions that matter for a result.
+pub fn versions() -> Value {
+    json!({
+        "sillage": version::SILLAGE,
+        "protocol": protocol::PROTOCOL_VERSION,
+        "commit": version::commit(),
+    })
+}
+
+/// The document of a run that goes on (`ending` is none) or has ended.
+pub fn document(scene: &Scene, folder: &RunFolder, ending: Option<&Ending>) -> Value {
+    let summary = folder.summary();
+    let totals: serde_json::Map<String, Value> = folder
+        .totals
+        .iter()
+        .map(|total| (total.name.clone(), json!(total.value)))
+        .collect();
+    let why = folder.recording_ended.as_deref();
+    let recording = scene
+        .record
+        .as_ref()
+        .map(|record| recorded::report(record, &folder.totals, why));
+    json!({
+        "scene": { "name": scene.name, "resolved": scene.coupler, "grains": scene.grains.len() },
+        "versions": versions(),
+        "machine": machine::machine(),
+        "plan": plan::plan(scene),
+        "engines": folder.engines.iter().map(engine).collect::<Vec<_>>(),
+        "written": seconds_since_1970(),
+        "steps": summary.steps,
+        "time_reached": summary.time,
+        "cost": cost(summary, ending),
+        "worst": summary.worst,
+        "left_out": summary.left_out,
+        "totals": totals,
+        "recording": recording,
+        "exit": ending.map(|ending| json!({
+            "code": ending.code,
+            "meaning": exit_code::meaning(ending.code),
+            "why": ending.why,
+        })),
+    })
+}
+
+/// Seconds by phase; what the coupler's steps do not take is start, end and waiting for disks.
+fn cost(summary: &Summary, ending: Option<&Ending>) -> Value {
+    let mut cost = json!(summary.sums);
+    if let Some(ending) = ending {
+        cost["wall_total"] = json!(ending.wall);
+        cost["cpu_process"] = json!(ending.cpu);
+        cost["memory_peak"] = json!(ending.memory_peak);
+    }
+    cost
+}
+
+fn engine(hello: &Hello) -> Value {
+    json!({
+        "role": hello.role,
+        "engine": hello.engine,
+        "version": hello.version,
+        "protocol": hello.protocol,
+        "capabilities": hello.capabilities,
+    })
+}
+
+/// Write `run.json`.
+pub fn write(path: &Path, document: &Value) -> Result<(), Error> {
+    file::write(&path.join("run.json"), format!("{document:#}\n"))
+}
+
+fn seconds_since_1970() -> u64 {
+    SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |elapsed| elapsed.as_secs())
+}

@@ -1,0 +1,18 @@
+//! Pictures of a run that goes on, as this crate sees them: it draws none itself.
+
+use std::path::Path;
+
+use protocol::monitor::Event;
+use scene::{Error, Scene};
+
+/// Sees every message of the coupler, on the thread that writes the folder.
+pub trait Draw: Send {
+    /// Draw what there is to draw of a message.
+    fn take(&mut self, event: &Event) -> Result<(), Error>;
+
+    /// The run is over.
+    fn finish(&mut self) -> Result<(), Error>;
+}
+
+/// What draws a scene into its run folder.
+pub type Pictures = fn(&Scene, &Path) -> Box<dyn Draw>;

@@ -1,0 +1,15 @@
+//! The folder of a run.
+//!
+//! `run_folder` takes what the coupler sends, on the thread of `writer`; `steps` is its table,
+//! `document` its `run.json` (with `machine` and `recorded`), `draw` what pictures must offer.
+
+pub mod document;
+pub mod draw;
+pub mod machine;
+pub mod recorded;
+pub mod run_folder;
+pub mod steps;
+pub mod writer;
+
+pub use document::Ending;
+pub use run_folder::RunFolder;

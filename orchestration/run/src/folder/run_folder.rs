@@ -1,0 +1,145 @@
+//! The run folder.
+//!
+//! | file | what |
+//! | --- | --- |
+//! | `run.json` | scene, versions, machine, cost by phase, worst invariants, exit |
+//! | `scene.toml`, `scene.json`, `grains.csv` | the scene as written, as resolved, and its grains |
+//! | `steps.csv` | a row a step |
+//! | `fluid.pvd`, `grains.pvd`, `vtu/` | states for ParaView |
+//! | `frames/`, `overview.png` | pictures |
+//! | `exchange.mcap` | all that the processes exchanged, when it is recorded |
+//! | `logs/` | what the processes said |
+
+use std::path::{Path, PathBuf};
+
+use protocol::field::{Field, Support};
+use protocol::messages::{Diagnostic, Hello, ToOrchestrator};
+use protocol::monitor::Event;
+use scene::{Error, Scene, plan};
+
+use super::steps::{Steps, Summary};
+use crate::file;
+use crate::vtu::mesh::Mesh;
+use crate::vtu::write::{self, Series};
+
+/// Writes the run folder while a run goes on.
+pub struct RunFolder {
+    path: PathBuf,
+    fields: Option<Vec<String>>,
+    steps: Steps,
+    fluid_series: Series,
+    grain_series: Series,
+    started: bool,
+    mesh: Option<Mesh>,
+    grain_radius: Vec<f64>,
+    snapshots: usize,
+    /// Who took part.
+    pub engines: Vec<Hello>,
+    /// Totals the coupler sent at the end.
+    pub totals: Vec<Diagnostic>,
+    /// Why the recording ended before the run, when it did.
+    pub recording_ended: Option<String>,
+}
+
+impl RunFolder {
+    /// Make the folder of a run and write what is known before it starts.
+    pub fn create(path: &Path, scene: &Scene) -> Result<RunFolder, Error> {
+        plan::write_inputs(scene, path)?;
+        for folder in ["logs", "vtu", "frames"] {
+            let folder = path.join(folder);
+            std::fs::create_dir_all(&folder).map_err(Error::file("cannot create", &folder))?;
+        }
+        file::write(&path.join("scene.toml"), &scene.text)?;
+        Ok(RunFolder {
+            path: path.to_path_buf(),
+            fields: scene.output.fields.clone(),
+            steps: Steps::create(path.join("steps.csv"))?,
+            fluid_series: Series::new(path.join("fluid.pvd")),
+            grain_series: Series::new(path.join("grains.pvd")),
+            started: false,
+            mesh: None,
+            grain_radius: Vec::new(),
+            snapshots: 0,
+            engines: Vec::new(),
+            totals: Vec::new(),
+            recording_ended: None,
+        })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What was summed up from the steps.
+    pub fn summary(&self) -> &Summary {
+        &self.steps.summary
+    }
+
+    /// Take over one message of the coupler.
+    pub fn take(&mut self, event: &Event) -> Result<(), Error> {
+        match &event.message {
+            ToOrchestrator::Started { engines, .. } => {
+                self.engines = engines.clone();
+                let radius = values(&event.fields, Field::GrainRadius);
+                self.grain_radius = radius.unwrap_or_default().to_vec();
+                self.mesh = Mesh::from_fields(&event.fields);
+                self.started = true;
+                Ok(())
+            }
+            ToOrchestrator::Step(values) => self.steps.add(values),
+            ToOrchestrator::Snapshot { time, .. } => self.snapshot(*time, &event.fields),
+            ToOrchestrator::Finished(totals) | ToOrchestrator::Stopped { totals, .. } => {
+                self.totals = totals.clone();
+                Ok(())
+            }
+            ToOrchestrator::RecordingEnded(why) => {
+                self.recording_ended = Some(why.clone());
+                Ok(())
+            }
+        }
+    }
+
+    fn snapshot(&mut self, time: f64, fields: &[(Field, Vec<f64>)]) -> Result<(), Error> {
+        if !self.started {
+            return Ok(());
+        }
+        let number = self.snapshots;
+        self.snapshots += 1;
+        let wanted = |field: &Field| match &self.fields {
+            Some(names) => names.iter().any(|name| name == field.name()),
+            None => true,
+        };
+        let of = |support: Support| -> Vec<(Field, &[f64])> {
+            fields
+                .iter()
+                .filter(|(field, _)| field.support() == support && wanted(field))
+                .map(|(field, values)| (*field, values.as_slice()))
+                .collect()
+        };
+        if let Some(mesh) = &self.mesh {
+            let content = write::fluid(mesh, &of(Support::Node));
+            self.fluid_series
+                .add(time, &format!("vtu/fluid_{number:04}.vtu"), &content)?;
+        }
+        if let Some(position) = values(fields, Field::GrainPosition) {
+            let mut columns: Vec<(Field, &[f64])> = vec![(Field::GrainRadius, &self.grain_radius)];
+            columns.extend(
+                of(Support::Grain)
+                    .into_iter()
+                    .filter(|(field, _)| *field != Field::GrainPosition),
+            );
+            let content = write::grains(position, &columns);
+            self.grain_series
+                .add(time, &format!("vtu/grains_{number:04}.vtu"), &content)?;
+        }
+        Ok(())
+    }
+}
+
+fn values(fields: &[(Field, Vec<f64>)], wanted: Field) -> Option<&[f64]> {
+    fields
+        .iter()
+        .find(|(field, _)| *field == wanted)
+        .map(|(_, values)| values.as_slice())
+}

@@ -1,0 +1,154 @@
+//! `steps.csv`, a row a step, and what is summed up from it.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::PathBuf;
+
+use protocol::messages::Diagnostic;
+use scene::Error;
+use serde::Serialize;
+
+/// The table of the steps.
+pub struct Steps {
+    path: PathBuf,
+    file: BufWriter<File>,
+    columns: Vec<String>,
+    /// Sums and extremes so far.
+    pub summary: Summary,
+}
+
+/// Sums and extremes over the steps.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Summary {
+    /// Steps accepted.
+    pub steps: u64,
+    /// Time reached \[s\].
+    pub time: f64,
+    /// Sums: wall and CPU seconds, passes, sub-steps.
+    pub sums: BTreeMap<String, f64>,
+    /// Largest defects, residuals and penetrations; smallest porosity.
+    pub worst: BTreeMap<String, f64>,
+    /// Parts that some steps may do without.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// A part that was not there in some steps.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// What.
+    pub part: &'static str,
+    /// Steps without it.
+    pub steps_without: u64,
+    /// The first step with it; none: no step needed it.
+    pub first_step_with: Option<u64>,
+}
+
+/// Columns that are 0 in a step that did without a part.
+const PARTS: [(&str, &str); 3] = [
+    ("convection", "convection"),
+    ("contact_candidates", "contacts"),
+    ("wall_looks", "walls"),
+];
+
+impl Steps {
+    /// An empty table; the first row names the columns.
+    pub fn create(path: PathBuf) -> Result<Self, Error> {
+        let file = File::create(&path).map_err(Error::file("cannot write", &path))?;
+        Ok(Steps {
+            path,
+            file: BufWriter::new(file),
+            columns: Vec::new(),
+            summary: Summary::default(),
+        })
+    }
+
+    /// Add a row. A step that lacks a column leaves it empty; one that the first step lacked is
+    /// only summed up.
+    pub fn add(&mut self, values: &[Diagnostic]) -> Result<(), Error> {
+        self.summary.add(values);
+        let mut text = String::new();
+        if self.columns.is_empty() {
+            self.columns = values.iter().map(|value| value.name.clone()).collect();
+            text = self.columns.join(",") + "\n";
+        }
+        let row: Vec<String> = self
+            .columns
+            .iter()
+            .map(|name| {
+                let found = values.iter().find(|value| value.name == *name);
+                found.map_or(String::new(), |found| number(name, found.value))
+            })
+            .collect();
+        text += &(row.join(",") + "\n");
+        // Flushed each time: whoever looks at a running computation sees whole rows.
+        self.file
+            .write_all(text.as_bytes())
+            .and_then(|()| self.file.flush())
+            .map_err(Error::file("cannot write", &self.path))
+    }
+}
+
+/// Counters without, all else with exponent; both read back to the same bits.
+fn number(name: &str, value: f64) -> String {
+    match name {
+        "step" | "passes" | "sub_steps" | "contacts" | "convection" => format!("{value}"),
+        "contact_candidates" | "contact_searches" | "contact_sweeps" | "wall_looks" => {
+            format!("{value}")
+        }
+        _ => format!("{value:e}"),
+    }
+}
+
+impl Summary {
+    fn add(&mut self, values: &[Diagnostic]) {
+        self.steps += 1;
+        for Diagnostic { name, value } in values {
+            if let Some((_, part)) = PARTS.iter().find(|(column, _)| column == name) {
+                self.note(part, *value != 0.0);
+            }
+            let kept = |table: &mut BTreeMap<String, f64>, pick: fn(f64, f64) -> f64| {
+                let entry = table.entry(name.clone()).or_insert(*value);
+                *entry = pick(*entry, *value);
+            };
+            match name.as_str() {
+                "time" => self.time = *value,
+                "wall" | "passes" | "sub_steps" | "contact_searches" | "contact_sweeps"
+                | "wall_looks" => *self.sums.entry(name.clone()).or_default() += value,
+                _ if name.starts_with("cpu_") || name.starts_with("wall_") => {
+                    *self.sums.entry(name.clone()).or_default() += value
+                }
+                "contact_residual" | "penetration_max" => kept(&mut self.worst, larger),
+                "porosity_min" => kept(&mut self.worst, f64::min),
+                _ if name.ends_with("_defect") => kept(&mut self.worst, larger),
+                _ => {}
+            }
+        }
+    }
+}
+
+impl Summary {
+    /// Was a part there in this step?
+    fn note(&mut self, part: &'static str, there: bool) {
+        let step = self.steps;
+        let place = self.left_out.iter().position(|known| known.part == part);
+        let place = place.unwrap_or_else(|| {
+            self.left_out.push(LeftOut {
+                part,
+                steps_without: 0,
+                first_step_with: None,
+            });
+            self.left_out.len() - 1
+        });
+        let known = &mut self.left_out[place];
+        match there {
+            true => _ = known.first_step_with.get_or_insert(step),
+            false => known.steps_without += 1,
+        }
+    }
+}
+
+/// The one with the larger absolute value.
+fn larger(a: f64, b: f64) -> f64 {
+    if b.abs() > a.abs() { b } else { a }
+}

@@ -1,0 +1,270 @@
+//! Child processes: found, started with the run's environment, their words kept in `logs/`.
+
+use std::fs::File;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+
+use nix::sys::signal::{Signal, killpg};
+use nix::unistd::{Pid, SysconfVar, sysconf};
+use protocol::process::LEAVE_OUT;
+use protocol::runspace::RunSpace;
+use scene::error::{Error, exit_code};
+use scene::{Scene, plan, record};
+
+use crate::version;
+
+/// A child of this run.
+pub struct Process {
+    /// fluid, particles or coupler.
+    pub seat: String,
+    /// Its process id.
+    pub id: u32,
+    /// What it said.
+    pub log: PathBuf,
+    /// How it ended; none while it runs.
+    pub ended: Option<ExitStatus>,
+    /// Was it asked to end by a signal of ours?
+    pub signalled: bool,
+    /// CPU time it has used \[s\].
+    pub cpu: f64,
+    /// Largest resident memory it was seen to have \[bytes\].
+    pub memory_peak: u64,
+    child: Child,
+}
+
+/// Start every process of a scene; on failure those that were started are ended again.
+pub fn launch(scene: &Scene, folder: &Path, runspace: &RunSpace) -> Result<Vec<Process>, Error> {
+    let mut started = Vec::new();
+    for planned in plan::processes(scene) {
+        match start(&planned, scene, folder, runspace) {
+            Ok(process) => started.push(process),
+            Err(error) => {
+                // The others would wait for a seat that nobody takes.
+                let _ = runspace.mark_lost(&planned.seat);
+                end(&mut started);
+                return Err(error);
+            }
+        }
+    }
+    Ok(started)
+}
+
+fn start(
+    planned: &plan::Process,
+    scene: &Scene,
+    folder: &Path,
+    runspace: &RunSpace,
+) -> Result<Process, Error> {
+    let mut command = command(planned, scene, folder)?;
+    if !scene.leave_out {
+        command.env(LEAVE_OUT, "0");
+    }
+    let log = folder.join(format!("logs/{}.log", planned.seat));
+    spawn(
+        &planned.seat,
+        &planned.command.join(" "),
+        command,
+        log,
+        runspace,
+    )
+}
+
+/// Start a process that takes this seat of the run; what it says goes to `log`. `said` is the command
+/// as its author wrote it, for the error.
+pub fn spawn(
+    seat: &str,
+    said: &str,
+    mut command: Command,
+    log: PathBuf,
+    runspace: &RunSpace,
+) -> Result<Process, Error> {
+    let seat = seat.to_string();
+    let file = File::create(&log).map_err(Error::file("cannot write", &log))?;
+    let errors = file
+        .try_clone()
+        .map_err(Error::file("cannot write", &log))?;
+    command
+        .envs(runspace.to_environment())
+        .env("SILLAGE_COMMIT", version::commit().unwrap_or_default())
+        .stdin(Stdio::null())
+        .stdout(file)
+        .stderr(errors)
+        // Ctrl-C on the terminal is for the orchestrator, which then asks the coupler to stop.
+        .process_group(0);
+    let child = command.spawn().map_err(|error| Error::Run {
+        code: exit_code::ENGINE,
+        why: format!("the {seat} could not be started ({said}): {error}"),
+    })?;
+    tracing::info!("{seat} is process {}", child.id());
+    Ok(Process {
+        seat,
+        id: child.id(),
+        log,
+        ended: None,
+        signalled: false,
+        cpu: 0.0,
+        memory_peak: 0,
+        child,
+    })
+}
+
+/// Built-in programs lie beside this one; engines of the scene start in the scene's folder, and a
+/// bare name is looked for beside this program before `PATH`.
+fn command(planned: &plan::Process, scene: &Scene, folder: &Path) -> Result<Command, Error> {
+    let foreign = match planned.seat.as_str() {
+        "fluid" => scene.engines.fluid.is_some(),
+        "particles" => scene.engines.particles.is_some(),
+        _ => false,
+    };
+    // Checked with the scene: a command is never empty.
+    let (program, arguments) = planned
+        .command
+        .split_first()
+        .ok_or_else(|| Error::Usage(format!("engines.{}.command is empty", planned.seat)))?;
+    if foreign {
+        let mut command = Command::new(program_of_scene(program, &scene.folder));
+        command.args(arguments).current_dir(&scene.folder);
+        return Ok(command);
+    }
+    let mut command = Command::new(sibling(program)?);
+    if planned.seat == "coupler" {
+        let scene_file = folder.join("scene.json");
+        let scene_file = std::path::absolute(&scene_file).unwrap_or(scene_file);
+        command.arg("--scene").arg(scene_file);
+        if let Some(record) = &scene.record {
+            let folder = std::path::absolute(folder).unwrap_or(folder.to_path_buf());
+            command.args(record::arguments(record, &folder));
+        }
+    } else {
+        command.args(arguments);
+    }
+    Ok(command)
+}
+
+/// The program that a command names: a bare name is looked for beside this program, then in `PATH`;
+/// one with a folder in it from `folder`.
+pub fn program_of_scene(program: &str, folder: &Path) -> PathBuf {
+    if !program.contains('/') {
+        return sibling(program).unwrap_or_else(|_| program.into());
+    }
+    let path = folder.join(program);
+    std::path::absolute(&path).unwrap_or(path)
+}
+
+/// A program beside this one.
+pub fn sibling(name: &str) -> Result<PathBuf, Error> {
+    let here = std::env::current_exe().map_err(Error::file("cannot find", "this program"))?;
+    let path = here.parent().unwrap_or(Path::new(".")).join(name);
+    if path.is_file() {
+        return Ok(path);
+    }
+    Err(Error::Run {
+        code: exit_code::ENGINE,
+        why: format!(
+            "{} does not exist: build all programs with `cargo build --release --workspace`, \
+             or run ./sillage, which does",
+            path.display()
+        ),
+    })
+}
+
+impl Process {
+    /// Look whether it has ended, and reap it.
+    pub fn poll(&mut self) {
+        if self.ended.is_none() {
+            // Also of a process that has ended, until it is reaped below.
+            self.cpu = cpu_seconds(self.id).unwrap_or(self.cpu);
+            // Gone from a process that has ended: the last look before counts.
+            self.memory_peak = memory_peak(self.id).unwrap_or(self.memory_peak);
+            // An error here means that somebody else reaped it: it has ended all the same.
+            self.ended = match self.child.try_wait() {
+                Ok(status) => status,
+                Err(_) => Some(ExitStatus::from_raw(0)),
+            };
+        }
+    }
+
+    /// Send a signal to it and to what it started.
+    pub fn signal(&mut self, signal: Signal) {
+        if self.ended.is_none() {
+            self.signalled = true;
+            // It may end at this very moment.
+            let _ = killpg(Pid::from_raw(self.id as i32), signal);
+        }
+    }
+
+    /// The end in words: "exit code 5", "killed by SIGKILL".
+    pub fn ending(&self) -> String {
+        match self.ended {
+            None => "still runs".into(),
+            Some(status) => match (status.code(), status.signal()) {
+                (Some(code), _) => format!("ended with exit code {code}"),
+                (_, Some(7)) => {
+                    "was killed by SIGBUS: shared memory is full, see `sillage doctor`".into()
+                }
+                (_, Some(number)) => {
+                    let name = Signal::try_from(number).map_or("a signal", Signal::as_str);
+                    format!("was killed by {name}")
+                }
+                _ => "ended".into(),
+            },
+        }
+    }
+
+    /// Did it end by a signal that did not come from here?
+    pub fn was_killed(&self) -> bool {
+        !self.signalled && self.ended.is_some_and(|status| status.signal().is_some())
+    }
+
+    /// Its exit code, when it ended with one.
+    pub fn code(&self) -> Option<i32> {
+        self.ended.and_then(|status| status.code())
+    }
+
+    /// The last lines it wrote.
+    pub fn last_words(&self, lines: usize) -> Vec<String> {
+        let text = std::fs::read(&self.log).unwrap_or_default();
+        let text = String::from_utf8_lossy(&text);
+        let all: Vec<&str> = text
+            .lines()
+            .filter(|line| !line.trim().is_empty())
+            .collect();
+        all[all.len().saturating_sub(lines)..]
+            .iter()
+            .map(|line| line.to_string())
+            .collect()
+    }
+}
+
+/// User and system time of a process \[s\], from fields 14 and 15 of /proc/PID/stat.
+fn cpu_seconds(id: u32) -> Option<f64> {
+    let stat = std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
+    let mut fields = stat.rsplit_once(')')?.1.split_whitespace().skip(11);
+    let ticks = fields.next()?.parse::<f64>().ok()? + fields.next()?.parse::<f64>().ok()?;
+    let per_second = sysconf(SysconfVar::CLK_TCK).ok()??;
+    Some(ticks / per_second as f64)
+}
+
+/// Largest resident memory of a living process \[bytes\], VmHWM in /proc/PID/status.
+pub fn memory_peak(id: u32) -> Option<u64> {
+    let status = std::fs::read_to_string(format!("/proc/{id}/status")).ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kilobytes: u64 = line.split_whitespace().next()?.parse().ok()?;
+    Some(1024 * kilobytes)
+}
+
+/// End processes at once and reap them.
+pub fn end(processes: &mut [Process]) {
+    for process in processes.iter_mut() {
+        process.signal(Signal::SIGKILL);
+    }
+    for process in processes
+        .iter_mut()
+        .filter(|process| process.ended.is_none())
+    {
+        process.ended = process.child.wait().ok().or(Some(ExitStatus::from_raw(9)));
+    }
+}

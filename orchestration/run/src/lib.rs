@@ -1,0 +1,25 @@
+//! A scene into a run folder: processes started, watched and ended, results written.
+//!
+//! | file | what |
+//! | --- | --- |
+//! | `run` | a scene into a run folder |
+//! | `launch`, `watch`, `verdict` | child processes: start, wait, end, and why they ended |
+//! | `interrupt`, `progress` | Ctrl-C, and how far a run is |
+//! | `folder` | `run.json`, `steps.csv`, the recording, how states get there |
+//! | `vtu` | states for ParaView, written and read back |
+//! | `version`, `file` | what this program is; files that others may be reading |
+//! | `batch` | many scenes, each in a folder of its own, not run again when there |
+
+pub mod batch;
+pub mod file;
+pub mod folder;
+pub mod interrupt;
+pub mod launch;
+pub mod progress;
+mod run;
+pub mod verdict;
+pub mod version;
+pub mod vtu;
+pub mod watch;
+
+pub use run::{Outcome, Runner, Voice, fresh_folder};

@@ -1,0 +1,99 @@
+//! States that a run wrote for ParaView, read back: the list (`.pvd`) and each file (`.vtu`).
+
+use std::path::Path;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use scene::Error;
+
+/// Times and file names of a list; empty when there is none.
+pub fn list(path: &Path) -> Result<Vec<(f64, String)>, Error> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let text = std::fs::read_to_string(path).map_err(Error::file("cannot read", path))?;
+    let mut entries = Vec::new();
+    for line in text.lines().filter(|line| line.contains("<DataSet")) {
+        let entry = attribute(line, "timestep")
+            .and_then(|time| time.parse().ok())
+            .zip(attribute(line, "file"));
+        let (time, file) = entry.ok_or_else(|| wrong(path, "a DataSet has no timestep or file"))?;
+        if file.split('/').any(|part| part == "..") || file.starts_with('/') {
+            return Err(wrong(path, &format!("{file} lies outside of the folder")));
+        }
+        entries.push((time, file.to_string()));
+    }
+    Ok(entries)
+}
+
+/// One state, as text.
+pub struct State {
+    text: String,
+    name: String,
+}
+
+impl State {
+    /// Read a file.
+    pub fn read(path: &Path) -> Result<State, Error> {
+        let text = std::fs::read_to_string(path).map_err(Error::file("cannot read", path))?;
+        Ok(State {
+            text,
+            name: path.display().to_string(),
+        })
+    }
+
+    /// An array of numbers; none when the file does not have it.
+    pub fn numbers(&self, name: &str) -> Result<Option<Vec<f64>>, Error> {
+        self.array(name, f64::from_le_bytes)
+    }
+
+    /// An array of whole numbers.
+    pub fn indices(&self, name: &str) -> Result<Option<Vec<i64>>, Error> {
+        self.array(name, i64::from_le_bytes)
+    }
+
+    /// The first two of every three components.
+    pub fn vectors(&self, name: &str) -> Result<Option<Vec<[f64; 2]>>, Error> {
+        let numbers = self.numbers(name)?;
+        Ok(numbers.map(|all| all.chunks_exact(3).map(|v| [v[0], v[1]]).collect()))
+    }
+
+    fn array<T>(&self, name: &str, number: fn([u8; 8]) -> T) -> Result<Option<Vec<T>>, Error> {
+        let Some(start) = self.text.find(&format!("Name=\"{name}\"")) else {
+            return Ok(None);
+        };
+        let refuse = |why: &str| {
+            Error::Usage(format!(
+                "{}: {name}: {why}; only files that sillage wrote can be read",
+                self.name
+            ))
+        };
+        let mut lines = self.text[start..].lines();
+        if !lines.next().is_some_and(|head| head.contains("binary")) {
+            return Err(refuse("not in binary format"));
+        }
+        let encoded = lines.next().unwrap_or_default().trim();
+        let bytes = STANDARD
+            .decode(encoded)
+            .map_err(|error| refuse(&error.to_string()))?;
+        let eights = bytes.chunks_exact(8);
+        if bytes.len() < 8 || !eights.remainder().is_empty() {
+            return Err(refuse("cut off"));
+        }
+        let mut eights = eights.map(|chunk| std::array::from_fn(|index| chunk[index]));
+        let length = eights.next().map_or(0, u64::from_le_bytes);
+        if length != bytes.len() as u64 - 8 {
+            return Err(refuse("its length is not the one it names"));
+        }
+        Ok(Some(eights.map(number).collect()))
+    }
+}
+
+fn attribute<'a>(line: &'a str, name: &str) -> Option<&'a str> {
+    let rest = line.split_once(&format!("{name}=\""))?.1;
+    rest.split_once('"').map(|(value, _)| value)
+}
+
+fn wrong(path: &Path, why: &str) -> Error {
+    Error::Usage(format!("{}: {why}", path.display()))
+}

@@ -1,0 +1,217 @@
+//! A run from the first message to the last process reaped.
+//!
+//! ```text
+//!   running ──Finished, Stopped, a child's end, Ctrl-C──► ending ──all reaped──► over
+//! ```
+//!
+//! Processes of a run watch each other: when one is lost the others leave by themselves within a
+//! second. What still runs after two seconds is ended: SIGTERM, then SIGKILL.
+
+use std::time::{Duration, Instant};
+
+use nix::sys::signal::Signal;
+use protocol::messages::ToOrchestrator;
+use protocol::monitor::MonitorReceiver;
+use protocol::runspace::RunSpace;
+use scene::error::exit_code;
+
+use crate::folder::writer::Writer;
+use crate::interrupt::Interrupts;
+use crate::launch::{self, Process};
+use crate::progress::{self, Progress};
+use crate::verdict::{Evidence, LastWord, Verdict};
+
+/// How long processes may take to leave by themselves.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// Between SIGTERM and SIGKILL.
+const MERCY: Duration = Duration::from_secs(1);
+/// How often children and interruptions are looked at.
+const TICK: Duration = Duration::from_millis(50);
+
+/// Watches over the processes of one run.
+pub struct Watch<'a> {
+    /// The run.
+    pub runspace: &'a RunSpace,
+    /// The coupler's messages.
+    pub monitor: MonitorReceiver,
+    /// The children.
+    pub processes: Vec<Process>,
+    /// Takes messages to the disk.
+    pub writer: &'a Writer,
+    /// Ctrl-C.
+    pub interrupts: Interrupts,
+    /// Shows how far the run is.
+    pub progress: Progress,
+}
+
+impl Watch<'_> {
+    /// Follow the run to its end; afterwards no process of it is left.
+    pub fn follow(&mut self) -> Verdict {
+        let mut state = State::default();
+        while self.processes.iter().any(|process| process.ended.is_none()) {
+            self.listen(&mut state);
+            self.look_at_children(&mut state);
+            self.heed_interrupts(&mut state);
+            self.insist(&mut state);
+        }
+        // What was sent before the coupler ended is still in the queue.
+        while state.connected && state.last_word.is_none() {
+            let before = state.messages;
+            self.listen(&mut state);
+            if state.messages == before {
+                break;
+            }
+        }
+        self.progress.finish();
+        self.judge(&state)
+    }
+
+    /// Take one message over, or wait a tick for it.
+    fn listen(&mut self, state: &mut State) {
+        if !state.connected {
+            std::thread::sleep(TICK);
+            return;
+        }
+        match self.monitor.next(TICK) {
+            Ok(None) => {}
+            Ok(Some(event)) => {
+                state.messages += 1;
+                match &event.message {
+                    ToOrchestrator::Started { .. } => state.started = true,
+                    ToOrchestrator::Step(values) => self.progress.step(values),
+                    ToOrchestrator::Finished(_) => state.hear(LastWord::Finished),
+                    ToOrchestrator::Stopped { code, why, .. } => {
+                        state.hear(LastWord::Stopped {
+                            code: *code,
+                            why: why.clone(),
+                        });
+                    }
+                    ToOrchestrator::RecordingEnded(why) => self.progress.say(&format!(
+                        "warning: the recording is not complete, the run goes on: {why}"
+                    )),
+                    ToOrchestrator::Snapshot { .. } => {}
+                }
+                self.writer.take(event);
+            }
+            Err(error) => {
+                tracing::debug!("no more messages: {error}");
+                state.connected = false;
+                state.broken = Some((error.exit_code(), error.to_string()));
+                state.begin_ending();
+            }
+        }
+    }
+
+    fn look_at_children(&mut self, state: &mut State) {
+        for process in &mut self.processes {
+            let ran = process.ended.is_none();
+            process.poll();
+            if ran && process.ended.is_some() {
+                tracing::info!("{} {}", process.seat, process.ending());
+                // Without effect unless it ended before it joined the run.
+                let _ = self.runspace.mark_lost(&process.seat);
+                state.begin_ending();
+            }
+        }
+    }
+
+    /// The first interruption asks the coupler to stop after its step; the second kills.
+    fn heed_interrupts(&mut self, state: &mut State) {
+        let count = self.interrupts.so_far();
+        if count > 0 && !state.asked_to_stop {
+            state.asked_to_stop = true;
+            if state.started && state.connected && self.monitor.stop().is_ok() {
+                self.progress
+                    .say("stopping after this step; once more to kill");
+            } else {
+                // Nothing was computed yet: there is no step to wait for.
+                self.signal(Signal::SIGTERM);
+                state.begin_ending();
+            }
+        }
+        if count > 1 && !state.killed {
+            state.killed = true;
+            launch::end(&mut self.processes);
+        }
+    }
+
+    /// Whoever stays behind is asked to leave, then made to.
+    fn insist(&mut self, state: &mut State) {
+        let Some(since) = state.ending_since else {
+            return;
+        };
+        if since.elapsed() > PATIENCE && !state.terminated {
+            state.terminated = true;
+            self.signal(Signal::SIGTERM);
+        }
+        if since.elapsed() > PATIENCE + MERCY {
+            launch::end(&mut self.processes);
+        }
+    }
+
+    fn signal(&mut self, signal: Signal) {
+        for process in &mut self.processes {
+            process.signal(signal);
+        }
+    }
+
+    fn judge(&self, state: &State) -> Verdict {
+        let (steps, time) = (self.progress.step, self.progress.time);
+        if state.asked_to_stop {
+            let how = if state.killed { "killed" } else { "stopped" };
+            let time = progress::digits(time);
+            let why = format!("interrupted: {how} after step {steps}, t = {time} s");
+            return Verdict {
+                code: exit_code::INTERRUPTED,
+                why: Some(why),
+            };
+        }
+        let evidence = Evidence {
+            processes: &self.processes,
+            last_word: state.last_word.as_ref(),
+            broken: state.broken.as_ref(),
+            steps,
+        };
+        evidence.verdict()
+    }
+}
+
+/// Where the watch is.
+struct State {
+    connected: bool,
+    started: bool,
+    messages: u64,
+    last_word: Option<LastWord>,
+    broken: Option<(i32, String)>,
+    asked_to_stop: bool,
+    terminated: bool,
+    killed: bool,
+    ending_since: Option<Instant>,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        State {
+            connected: true,
+            started: false,
+            messages: 0,
+            last_word: None,
+            broken: None,
+            asked_to_stop: false,
+            terminated: false,
+            killed: false,
+            ending_since: None,
+        }
+    }
+}
+
+impl State {
+    fn begin_ending(&mut self) {
+        self.ending_since.get_or_insert_with(Instant::now);
+    }
+
+    fn hear(&mut self, word: LastWord) {
+        self.last_word = Some(word);
+        self.begin_ending();
+    }
+}

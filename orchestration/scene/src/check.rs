@@ -1,0 +1,394 @@
+//! Ranges: every number of a scene is looked at once, here; inside it is trusted.
+
+use protocol::configure::{AdaptiveStep, Geometry, Nonlinear, Scheme};
+use protocol::field::Field;
+
+use crate::document::Document;
+use crate::keys::{
+    BoundaryKey, Contact, Coupling, Fluid, GrainDomain, LimitKeys, Rectangle, SceneFile,
+};
+use crate::population_keys::{Grains, Radius};
+use crate::problem::Problem;
+use crate::read::nearest;
+use crate::record;
+
+/// Nodes of a rectangle: far beyond what fits into the memory of one machine.
+const NODES_MAX: f64 = 1e8;
+
+/// Collects the problems of a scene.
+pub struct Checker<'a> {
+    document: &'a Document,
+    /// What was found so far.
+    pub problems: Vec<Problem>,
+}
+
+impl<'a> Checker<'a> {
+    /// A checker with nothing found.
+    pub fn new(document: &'a Document) -> Self {
+        Checker {
+            document,
+            problems: Vec::new(),
+        }
+    }
+
+    /// Note a problem with a key.
+    pub fn refuse(&mut self, key: &str, message: impl Into<String>) {
+        self.problems.push(self.document.problem(key, message));
+    }
+
+    fn positive(&mut self, key: &str, value: f64, unit: &str) {
+        if !(value > 0.0 && value.is_finite()) {
+            self.refuse(key, format!("must be a finite number greater than 0{unit}"));
+        }
+    }
+
+    fn not_negative(&mut self, key: &str, value: f64, unit: &str) {
+        if !(value >= 0.0 && value.is_finite()) {
+            self.refuse(key, format!("must be a finite number, 0{unit} or more"));
+        }
+    }
+
+    fn finite(&mut self, key: &str, values: &[f64]) {
+        if values.iter().any(|value| !value.is_finite()) {
+            self.refuse(key, "must be finite numbers");
+        }
+    }
+
+    fn at_least_one(&mut self, key: &str, value: usize) {
+        if value == 0 {
+            self.refuse(key, "must be 1 or more");
+        }
+    }
+
+    /// 0 < tolerance < 1.
+    fn tolerance(&mut self, key: &str, value: f64) {
+        if !(value > 0.0 && value < 1.0) {
+            self.refuse(key, "must be between 0 and 1, both excluded");
+        }
+    }
+
+    fn corners(&mut self, key: &str, lower: [f64; 2], upper: [f64; 2]) {
+        self.finite(&format!("{key}.lower"), &lower);
+        self.finite(&format!("{key}.upper"), &upper);
+        for (axis, name) in ["x", "y"].iter().enumerate() {
+            if lower[axis] >= upper[axis] {
+                let (low, high) = (lower[axis], upper[axis]);
+                self.refuse(
+                    &format!("{key}.upper"),
+                    format!("{name} = {high:e} m must be greater than {name} of lower, {low:e} m"),
+                );
+            }
+        }
+    }
+
+    /// Every range of a scene.
+    pub fn scene(&mut self, scene: &SceneFile) {
+        self.positive("run.end_time", scene.run.end_time, " s");
+        self.positive("run.coupling_step", scene.run.coupling_step, " s");
+        if scene.run.coupling_step > scene.run.end_time && scene.run.end_time > 0.0 {
+            let end = scene.run.end_time;
+            self.refuse(
+                "run.coupling_step",
+                format!("must not exceed run.end_time = {end:e} s"),
+            );
+        }
+        self.finite("gravity.acceleration", &scene.gravity.acceleration);
+        self.parts_present(scene);
+        if let Some(fluid) = &scene.fluid {
+            self.fluid(fluid);
+        }
+        for (index, grains) in scene.grains.iter().enumerate() {
+            self.population(&format!("grains[{index}]"), grains);
+        }
+        if let Some(domain) = &scene.particles.domain {
+            self.grain_domain(domain);
+        }
+        for (index, wall) in scene.walls.iter().enumerate() {
+            self.finite(&format!("walls[{index}].from"), &wall.from);
+            self.finite(&format!("walls[{index}].to"), &wall.to);
+            if wall.from == wall.to {
+                self.refuse(
+                    &format!("walls[{index}].to"),
+                    "must differ from the start, `from`",
+                );
+            }
+        }
+        if let Some(contact) = &scene.contact {
+            self.contact(contact);
+        }
+        if let Some(coupling) = &scene.coupling {
+            self.coupling(coupling);
+        }
+        self.output(scene);
+        self.record(scene);
+        self.limits(&scene.limits);
+        self.engines(scene);
+    }
+
+    /// What must be there for what is there.
+    fn parts_present(&mut self, scene: &SceneFile) {
+        if scene.fluid.is_none() && scene.grains.is_empty() {
+            self.refuse("", "nothing to compute: write [fluid], [[grains]] or both");
+        }
+        if !scene.grains.is_empty() && scene.contact.is_none() {
+            self.refuse(
+                "contact",
+                "missing, and a scene with grains needs it: write [contact] tolerance = 1e-3 (of |g| Δt)",
+            );
+        }
+        let scheme = scene.coupling.as_ref().and_then(|coupling| coupling.scheme);
+        if scene.fluid.is_some() && !scene.grains.is_empty() && scheme.is_none() {
+            self.refuse(
+                "coupling.scheme",
+                "missing, and grains in a fluid need it: \"staggered\" (one pass), or \
+                 { iterated = { tolerance = 1e-3, passes_max = 30 } }",
+            );
+        }
+    }
+
+    fn fluid(&mut self, fluid: &Fluid) {
+        self.positive("fluid.density", fluid.density, " kg/m³");
+        self.positive("fluid.dynamic_viscosity", fluid.dynamic_viscosity, " Pa s");
+        self.finite("fluid.initial_velocity", &fluid.initial_velocity);
+        if let Some(factor) = fluid.grad_div {
+            self.not_negative("fluid.grad_div", factor, "");
+        }
+        if let Nonlinear::Newton {
+            tolerance,
+            iterations_max,
+        } = fluid.nonlinear
+        {
+            self.tolerance("fluid.nonlinear.newton.tolerance", tolerance);
+            self.at_least_one("fluid.nonlinear.newton.iterations_max", iterations_max);
+        }
+        match (&fluid.domain.rectangle, &fluid.domain.mesh) {
+            (Some(rectangle), None) => self.rectangle(rectangle),
+            (None, Some(_)) => {}
+            _ => self.refuse("fluid.domain", "write exactly one of rectangle and mesh"),
+        }
+        for (name, boundary) in &fluid.boundaries {
+            let key = format!("fluid.boundaries.{name}");
+            match boundary {
+                BoundaryKey::Inflow { velocity, .. } => {
+                    self.finite(&format!("{key}.inflow.velocity"), velocity);
+                }
+                BoundaryKey::Open { pressure } => {
+                    self.finite(&format!("{key}.open.pressure"), &[*pressure]);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn rectangle(&mut self, rectangle: &Rectangle) {
+        let key = "fluid.domain.rectangle";
+        self.corners(key, rectangle.lower, rectangle.upper);
+        if rectangle.cells.contains(&0) {
+            self.refuse(&format!("{key}.cells"), "must be 1 or more in x and y");
+        }
+        let nodes = rectangle.cells.map(|count| count as f64 + 1.0);
+        if nodes[0] * nodes[1] > NODES_MAX {
+            self.refuse(
+                &format!("{key}.cells"),
+                format!("must make at most {NODES_MAX:e} nodes"),
+            );
+        }
+        if rectangle
+            .grading
+            .iter()
+            .any(|&ratio| !(ratio >= 1.0 && ratio.is_finite()))
+        {
+            self.refuse(
+                &format!("{key}.grading"),
+                "must be 1 (all cells equal) or more",
+            );
+        }
+    }
+
+    fn grain_domain(&mut self, domain: &GrainDomain) {
+        self.corners("particles.domain", domain.lower, domain.upper);
+    }
+
+    fn population(&mut self, key: &str, grains: &Grains) {
+        let kinds = [
+            grains.cloud.is_some(),
+            grains.lattice.is_some(),
+            grains.filled_box.is_some(),
+            grains.file.is_some(),
+        ];
+        if kinds.iter().filter(|&&given| given).count() != 1 {
+            self.refuse(key, "write exactly one of cloud, lattice, box and file");
+        }
+        if let Some(density) = grains.density {
+            self.positive(&format!("{key}.density"), density, " kg/m³");
+        } else if grains.file.is_none() {
+            self.refuse(
+                &format!("{key}.density"),
+                "missing, and it has no default (kg/m³)",
+            );
+        }
+        match (grains.radius, grains.file.is_some()) {
+            (Some(radius), false) => self.radius(&format!("{key}.radius"), radius),
+            (None, false) => {
+                self.refuse(
+                    &format!("{key}.radius"),
+                    "missing, and it has no default (m)",
+                );
+            }
+            (Some(_), true) => {
+                self.refuse(
+                    &format!("{key}.radius"),
+                    "the radii come from the file; leave it out",
+                );
+            }
+            (None, true) => {}
+        }
+        self.finite(&format!("{key}.velocity"), &grains.velocity);
+        if let Some(cloud) = &grains.cloud {
+            let key = format!("{key}.cloud");
+            self.finite(&format!("{key}.centre"), &cloud.centre);
+            self.positive(&format!("{key}.radius"), cloud.radius, " m");
+            self.amount(&key, cloud.solid_fraction, cloud.count);
+        }
+        if let Some(filled) = &grains.filled_box {
+            let key = format!("{key}.box");
+            self.corners(&key, filled.lower, filled.upper);
+            self.amount(&key, filled.solid_fraction, filled.count);
+        }
+        if let Some(lattice) = &grains.lattice {
+            let key = format!("{key}.lattice");
+            self.corners(&key, lattice.lower, lattice.upper);
+            match (lattice.spacing, lattice.solid_fraction) {
+                (Some(spacing), None) => self.positive(&format!("{key}.spacing"), spacing, " m"),
+                (None, Some(fraction)) => self.fraction(&key, fraction),
+                _ => self.refuse(&key, "write exactly one of spacing and solid_fraction"),
+            }
+        }
+    }
+
+    fn radius(&mut self, key: &str, radius: Radius) {
+        match radius {
+            Radius::One(value) => self.positive(key, value, " m"),
+            Radius::Range(range) => {
+                self.positive(&format!("{key}.min"), range.min, " m");
+                if !(range.max >= range.min && range.max.is_finite()) {
+                    let min = range.min;
+                    self.refuse(
+                        &format!("{key}.max"),
+                        format!("must be min = {min:e} m or more"),
+                    );
+                }
+            }
+        }
+    }
+
+    fn amount(&mut self, key: &str, fraction: Option<f64>, count: Option<usize>) {
+        match (fraction, count) {
+            (Some(fraction), None) => self.fraction(key, fraction),
+            (None, Some(count)) => self.at_least_one(&format!("{key}.count"), count),
+            _ => self.refuse(key, "write exactly one of solid_fraction and count"),
+        }
+    }
+
+    fn fraction(&mut self, key: &str, fraction: f64) {
+        if !(fraction > 0.0 && fraction < 0.9069) {
+            self.refuse(
+                &format!("{key}.solid_fraction"),
+                "must be greater than 0 and less than 0.9069, the densest packing of equal disks",
+            );
+        }
+    }
+
+    fn contact(&mut self, contact: &Contact) {
+        self.not_negative("contact.friction", contact.friction, "");
+        if let Some(friction) = contact.wall_friction {
+            self.not_negative("contact.wall_friction", friction, "");
+        }
+        self.tolerance("contact.tolerance", contact.tolerance);
+        self.at_least_one("contact.sweeps_max", contact.sweeps_max);
+        self.at_least_one("contact.sub_steps_max", contact.sub_steps_max as usize);
+    }
+
+    fn coupling(&mut self, coupling: &Coupling) {
+        if let Some(Scheme::Iterated {
+            tolerance,
+            passes_max,
+        }) = coupling.scheme
+        {
+            self.tolerance("coupling.scheme.iterated.tolerance", tolerance);
+            self.at_least_one("coupling.scheme.iterated.passes_max", passes_max as usize);
+        }
+        if let Geometry::Sphere { depth } = coupling.geometry {
+            self.positive("coupling.geometry.sphere.depth", depth, " m");
+        }
+        if let Some(length) = coupling.smoothing_length {
+            self.not_negative("coupling.smoothing_length", length, " m");
+        }
+        if let Some(AdaptiveStep {
+            step_min,
+            step_max,
+            courant,
+        }) = coupling.adaptive
+        {
+            self.positive("coupling.adaptive.step_min", step_min, " s");
+            if !(step_max >= step_min && step_max.is_finite()) {
+                let message = format!("must be step_min = {step_min:e} s or more");
+                self.refuse("coupling.adaptive.step_max", message);
+            }
+            self.positive(
+                "coupling.adaptive.courant",
+                courant,
+                " (cells a grain may cross in a step)",
+            );
+        }
+    }
+
+    fn output(&mut self, scene: &SceneFile) {
+        if let Some(every) = scene.output.every {
+            self.positive("output.every", every, " s");
+        }
+        let known: Vec<&str> = Field::ALL.iter().map(|field| field.name()).collect();
+        for (index, name) in scene.output.fields.iter().flatten().enumerate() {
+            if !known.contains(&name.as_str()) {
+                let meant = nearest(name, &known)
+                    .map_or(String::new(), |name| format!("; did you mean {name}?"));
+                let list = known.join(", ");
+                self.refuse(
+                    &format!("output.fields[{index}]"),
+                    format!("unknown field{meant} (fields: {list})"),
+                );
+            }
+        }
+    }
+
+    fn record(&mut self, scene: &SceneFile) {
+        let file = scene.record.as_ref().map(|record| record.file.as_str());
+        if let Some(Err(why)) = file.map(record::check_file) {
+            self.refuse("record.file", why);
+        }
+    }
+
+    fn limits(&mut self, limits: &LimitKeys) {
+        self.positive("limits.connect", limits.connect, " s");
+        self.positive("limits.configure", limits.configure, " s");
+        self.positive("limits.step", limits.step, " s");
+    }
+
+    fn engines(&mut self, scene: &SceneFile) {
+        let seats = [
+            ("fluid", &scene.engines.fluid),
+            ("particles", &scene.engines.particles),
+        ];
+        for (seat, engine) in seats {
+            if engine
+                .as_ref()
+                .is_some_and(|engine| engine.command.is_empty())
+            {
+                self.refuse(
+                    &format!("engines.{seat}.command"),
+                    "must name a program, e.g. [\"python3\", \"my_engine.py\"]",
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Populations placed one after the other, without overlap.
+
+use std::path::Path;
+
+use super::neighbours::Neighbours;
+use super::table::{Grain, GrainTable};
+use super::{file, place};
+use crate::check::Checker;
+use crate::population_keys::Grains;
+use crate::walls::GrainRoom;
+
+/// Overlap of two grains that is tolerated, of the smaller radius: what a file of a previous
+/// contact computation may contain.
+const OVERLAP_MAX: f64 = 0.01;
+
+/// Place every population; what cannot be placed is a problem of its key.
+pub fn generate(
+    populations: &[Grains],
+    folder: &Path,
+    room: Option<&GrainRoom>,
+    checker: &mut Checker<'_>,
+) -> GrainTable {
+    let mut table = GrainTable::default();
+    let files: Vec<_> = populations
+        .iter()
+        .map(|grains| {
+            grains
+                .file
+                .as_ref()
+                .map(|name| file::read(&folder.join(name), grains))
+        })
+        .collect();
+    let largest = populations
+        .iter()
+        .zip(&files)
+        .map(|(grains, file)| match file {
+            Some(Ok(rows)) => rows.iter().map(|grain| grain.radius).fold(0.0, f64::max),
+            _ => grains.radius.map_or(0.0, |radius| radius.max()),
+        })
+        .fold(0.0, f64::max);
+    let period = room.map_or([None, None], |room| room.period);
+    let mut neighbours = Neighbours::new(2.0 * largest, period);
+    for (index, (grains, file)) in populations.iter().zip(files).enumerate() {
+        let key = format!("grains[{index}]");
+        let placed = match file {
+            Some(rows) => rows.map_err(|why| (format!("{key}.file"), why)),
+            None => place::place(&key, grains, room, &neighbours),
+        };
+        match placed {
+            Err((key, why)) => checker.refuse(&key, why),
+            Ok(rows) => {
+                if let Some(why) = misplaced(&rows, room, &mut neighbours) {
+                    checker.refuse(&key, why);
+                }
+                rows.into_iter().for_each(|grain| table.push(grain));
+            }
+        }
+    }
+    table
+}
+
+/// The first grain that overlaps another one or lies outside; adds the grains to `neighbours`.
+fn misplaced(
+    rows: &[Grain],
+    room: Option<&GrainRoom>,
+    neighbours: &mut Neighbours,
+) -> Option<String> {
+    let mut first = None;
+    for (number, grain) in rows.iter().enumerate() {
+        let [x, y] = grain.position;
+        let overlap = neighbours.deepest_overlap(grain.position, grain.radius, grain.fixed);
+        if first.is_none() && overlap > OVERLAP_MAX * grain.radius {
+            let radius = grain.radius;
+            first = Some(format!(
+                "grain {number} of this population, at ({x:e}, {y:e}) m with radius {radius:e} m, \
+                 overlaps another grain by {overlap:e} m; at most {OVERLAP_MAX} of the radius is allowed"
+            ));
+        }
+        if let (None, Some(room)) = (&first, room)
+            && let Some(side) = outside(grain, room)
+        {
+            let radius = grain.radius;
+            first = Some(format!(
+                "grain {number} of this population, at ({x:e}, {y:e}) m with radius {radius:e} m, \
+                 reaches beyond the {side} side of the domain"
+            ));
+        }
+        neighbours.insert(grain.position, grain.radius, grain.fixed);
+    }
+    first
+}
+
+/// The side that a grain crosses; fixed grains may stand in a wall, open sides stop centres only.
+fn outside(grain: &Grain, room: &GrainRoom) -> Option<&'static str> {
+    let sides = crate::boundaries::SIDES;
+    (0..4).find_map(|side| {
+        let axis = side / 2;
+        let reach = if room.closed[side] && !grain.fixed {
+            grain.radius
+        } else {
+            0.0
+        };
+        let allowed = reach - OVERLAP_MAX * grain.radius;
+        let distance = match side % 2 {
+            0 => grain.position[axis] - room.lower[axis],
+            _ => room.upper[axis] - grain.position[axis],
+        };
+        (distance < allowed).then_some(sides[side])
+    })
+}

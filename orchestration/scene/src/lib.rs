@@ -1,0 +1,29 @@
+//! One TOML file → validated scene → what the coupler and the engines receive, and what the run
+//! will be.
+//!
+//! Read in four steps: text (`document`), keys (`keys`, `read`), ranges (`check`), and resolution
+//! of what is relative or left out (`boundaries`, `walls`, `grains`, `resolve`). Problems carry file,
+//! line, key and what is allowed; all range problems of a scene are reported at once. `plan` tells
+//! which processes, terms and fields the scene needs.
+
+pub mod boundaries;
+pub mod check;
+pub mod document;
+pub mod error;
+pub mod grains;
+pub mod keys;
+mod load;
+pub mod mesh_names;
+pub mod plan;
+pub mod population_keys;
+pub mod problem;
+pub mod read;
+pub mod record;
+pub mod resolve;
+mod scene;
+pub mod schema;
+pub mod walls;
+
+pub use error::Error;
+pub use load::{from_document, load};
+pub use scene::Scene;

@@ -1,0 +1,10 @@
+//! What a scene needs and what it does without.
+//!
+//! `whole` is the plan; `choices` what a run chooses by itself, with the shares of `cost`.
+
+pub mod choices;
+mod cost;
+mod whole;
+
+pub use choices::Choice;
+pub use whole::{Exchange, Plan, Process, plan, processes, write_inputs};

@@ -1,0 +1,124 @@
+//! From the document to its keys; what serde says is put in the words of a scene.
+
+use crate::document::Document;
+use crate::error::Error;
+use crate::keys::SceneFile;
+use crate::problem::{Problem, Problems};
+
+/// All keys of a document; unknown keys and wrong types are refused with file and line.
+pub fn read(document: &Document) -> Result<SceneFile, Error> {
+    serde_path_to_error::deserialize::<toml::Value, SceneFile>(document.tree.clone()).map_err(
+        |error| {
+            let path = error.path().to_string();
+            let message = error.inner().message().to_string();
+            Error::Scene(Problems(vec![explain(document, &path, &message)]))
+        },
+    )
+}
+
+/// The problem behind a message of serde at `path`.
+fn explain(document: &Document, path: &str, message: &str) -> Problem {
+    let names = quoted(message);
+    let (first, known) = names
+        .split_first()
+        .map_or(("", &[][..]), |(first, rest)| (*first, rest));
+    if message.starts_with("unknown field") {
+        let key = join(path, first);
+        return document.problem(
+            &key,
+            format!("unknown key{}", hint(first, known, "keys here")),
+        );
+    }
+    if message.starts_with("unknown variant") {
+        return document.problem(
+            path,
+            format!("not allowed{}", hint(first, known, "allowed")),
+        );
+    }
+    if message.starts_with("missing field") {
+        return document.problem(&join(path, first), missing(&join(path, first)));
+    }
+    let key = if path == "." { "" } else { path };
+    document.problem(key, plain(message))
+}
+
+/// What to write for a key that is missing.
+fn missing(key: &str) -> String {
+    let example = match key {
+        "run" => "[run] with end_time and coupling_step in s",
+        "gravity" => "[gravity] acceleration = [0.0, -9.81] (or zeros), in m/s²",
+        "fluid.boundaries" => "[fluid.boundaries] all = \"no-slip\"",
+        "fluid.domain" => "[fluid.domain] with rectangle = { … } or mesh = \"….msh\"",
+        "contact.tolerance" => "tolerance = 1e-3 (of |g| Δt)",
+        _ => return "missing, and it has no default".to_string(),
+    };
+    format!("missing, and it has no default: write {example}")
+}
+
+/// "; did you mean `x`? (keys here: a, b)".
+fn hint(word: &str, known: &[&str], label: &str) -> String {
+    let list = known.join(", ");
+    match nearest(word, known) {
+        Some(name) => format!("; did you mean {name}? ({label}: {list})"),
+        None => format!(" ({label}: {list})"),
+    }
+}
+
+/// The known word nearest to `word`, when it is near enough to be meant.
+pub fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
+    known
+        .iter()
+        .map(|name| {
+            (
+                strsim::damerau_levenshtein(word, name),
+                strsim::jaro_winkler(word, name),
+                *name,
+            )
+        })
+        .filter(|(edits, likeness, name)| {
+            *edits <= 1 + word.len().max(name.len()) / 4 || *likeness > 0.85
+        })
+        .min_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)))
+        .map(|(_, _, name)| name)
+}
+
+/// Words between back quotes.
+fn quoted(message: &str) -> Vec<&str> {
+    message.split('`').skip(1).step_by(2).collect()
+}
+
+/// Path and key in one; serde names the key itself in some paths and its table in others.
+fn join(path: &str, key: &str) -> String {
+    match path {
+        "." | "" => key.to_string(),
+        _ if path == key || path.ends_with(&format!(".{key}")) => path.to_string(),
+        _ => format!("{path}.{key}"),
+    }
+}
+
+/// Rust's type names in plain words.
+fn plain(message: &str) -> String {
+    let mut text = message.trim().replace('\n', ", ");
+    for (rust, words) in [
+        ("expected f64", "expected a number"),
+        ("expected usize", "expected a whole number, 0 or more"),
+        ("expected u64", "expected a whole number, 0 or more"),
+        ("expected u32", "expected a whole number, 0 or more"),
+        ("expected a boolean", "expected true or false"),
+        (
+            "expected an array of length 2",
+            "expected two numbers [x, y]",
+        ),
+        ("expected a tuple of size 2", "expected two numbers [x, y]"),
+        ("expected a sequence", "expected a list [ … ]"),
+        ("expected a map", "expected a table"),
+        ("invalid type: ", "wrong type: "),
+        ("unit variant", "a name alone"),
+    ] {
+        text = text.replace(rust, words);
+    }
+    match text.find("expected struct ") {
+        Some(at) => format!("{}expected a table {{ … }}", &text[..at]),
+        None => text,
+    }
+}

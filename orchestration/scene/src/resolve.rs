@@ -1,0 +1,223 @@
+//! What is relative or left out becomes definite: the scene that processes receive.
+
+use std::path::Path;
+
+use protocol::configure::{
+    Convection, CouplerScene, FluidScene, Geometry, Limits, MeshSource, ParticleScene, Scheme,
+};
+
+use crate::boundaries;
+use crate::check::Checker;
+use crate::document::Document;
+use crate::grains::{self, GrainTable};
+use crate::keys::{Coupling, Fluid, SceneFile};
+use crate::mesh_names::boundary_names;
+use crate::scene::Scene;
+use crate::walls::{self, GrainRoom};
+
+/// Grains of a run folder, beside `scene.json`.
+pub const GRAINS_FILE: &str = "grains.csv";
+
+/// Resolve checked keys; what is found wrong goes to `checker`.
+pub fn resolve(
+    document: &Document,
+    keys: SceneFile,
+    threads: usize,
+    checker: &mut Checker<'_>,
+) -> Scene {
+    let folder = document.folder();
+    let fluid = keys
+        .fluid
+        .as_ref()
+        .map(|fluid| fluid_part(&keys, fluid, &folder, threads, checker));
+    let rectangle = keys
+        .fluid
+        .as_ref()
+        .and_then(|fluid| fluid.domain.rectangle.as_ref());
+    let no_boundaries = Default::default();
+    let conditions = fluid
+        .as_ref()
+        .map_or(&no_boundaries, |fluid| &fluid.boundaries);
+    let room = walls::room(&keys, rectangle, conditions);
+    let walls = walls::walls(&keys, room.as_ref(), checker);
+    let table = if checker.problems.is_empty() {
+        grains::generate(&keys.grains, &folder, room.as_ref(), checker)
+    } else {
+        GrainTable::default()
+    };
+    let particles =
+        (!keys.grains.is_empty()).then(|| particle_part(&keys, walls, room.as_ref(), threads));
+    let mut coupler = coupler_part(&keys, fluid, particles);
+    coupler.grains_stay = keys.run.leave_out
+        && coupler.fluid.is_some()
+        && keys.engines.particles.is_none()
+        && table.all_fixed();
+    Scene {
+        name: document.name(),
+        folder,
+        text: document.text().to_string(),
+        leave_out: keys.run.leave_out,
+        warnings: warnings(&keys),
+        coupler,
+        grains: table,
+        engines: keys.engines,
+        output: keys.output,
+        record: keys.record,
+    }
+}
+
+fn fluid_part(
+    keys: &SceneFile,
+    fluid: &Fluid,
+    folder: &Path,
+    threads: usize,
+    checker: &mut Checker<'_>,
+) -> FluidScene {
+    let (mesh, names) = mesh_part(fluid, folder, checker);
+    let boundaries = match names {
+        Some(names) => boundaries::by_name(&fluid.boundaries, &names, checker),
+        None => Default::default(),
+    };
+    if checker.problems.is_empty() {
+        match &fluid.domain.rectangle {
+            Some(rectangle) => boundaries::check_rectangle(&boundaries, rectangle, checker),
+            None => boundaries::check_mesh(&boundaries, checker),
+        }
+    }
+    // Suspensions need the full grad-div term for local mass balance; around bodies in clear flow
+    // it is too dissipative.
+    let grad_div = if keys.grains.is_empty() { 0.1 } else { 1.0 };
+    FluidScene {
+        density: fluid.density,
+        dynamic_viscosity: fluid.dynamic_viscosity,
+        gravity: keys.gravity.acceleration,
+        mesh,
+        boundaries,
+        convection: match fluid.convection {
+            Convection::AsNeeded if !keys.run.leave_out => Convection::Always,
+            given => given,
+        },
+        time_scheme: fluid.time_scheme,
+        nonlinear: fluid.nonlinear,
+        viscous_form: fluid.viscous_form,
+        grad_div: fluid.grad_div.unwrap_or(grad_div),
+        initial_velocity: fluid.initial_velocity,
+        threads,
+    }
+}
+
+/// The mesh with an absolute path, and the names of its boundaries where they can be had.
+fn mesh_part(
+    fluid: &Fluid,
+    folder: &Path,
+    checker: &mut Checker<'_>,
+) -> (MeshSource, Option<Vec<String>>) {
+    if let Some(rectangle) = &fluid.domain.rectangle {
+        let mesh = MeshSource::Rectangle {
+            lower: rectangle.lower,
+            upper: rectangle.upper,
+            cells: rectangle.cells,
+            diagonals: rectangle.diagonals,
+            grading: rectangle.grading,
+        };
+        return (mesh, Some(boundaries::SIDES.map(String::from).to_vec()));
+    }
+    let name = fluid.domain.mesh.clone().unwrap_or_default();
+    let path = folder.join(&name);
+    let names = match boundary_names(&path) {
+        Ok(names) => Some(names),
+        Err(why) => {
+            checker.refuse("fluid.domain.mesh", format!("{}: {why}", path.display()));
+            None
+        }
+    };
+    let path = std::path::absolute(&path).unwrap_or(path);
+    (
+        MeshSource::File {
+            path: path.to_string_lossy().into_owned(),
+        },
+        names,
+    )
+}
+
+fn particle_part(
+    keys: &SceneFile,
+    walls: Vec<protocol::configure::Wall>,
+    room: Option<&GrainRoom>,
+    threads: usize,
+) -> ParticleScene {
+    let geometry = keys
+        .coupling
+        .as_ref()
+        .map_or(Geometry::Disk, |coupling| coupling.geometry);
+    let contact = keys.contact.as_ref();
+    let friction = contact.map_or(0.0, |contact| contact.friction);
+    ParticleScene {
+        gravity: keys.gravity.acceleration,
+        walls,
+        period: room.map_or([None, None], |room| room.period),
+        friction,
+        wall_friction: contact
+            .and_then(|contact| contact.wall_friction)
+            .unwrap_or(friction),
+        inertia_factor: if geometry == Geometry::Disk { 0.5 } else { 0.4 },
+        // Checked before: a scene with grains has [contact].
+        tolerance: contact.map_or(f64::NAN, |contact| contact.tolerance),
+        sweeps_max: contact.map_or(0, |contact| contact.sweeps_max),
+        sub_steps_max: contact.map_or(0, |contact| contact.sub_steps_max),
+        threads,
+    }
+}
+
+fn coupler_part(
+    keys: &SceneFile,
+    fluid: Option<FluidScene>,
+    particles: Option<ParticleScene>,
+) -> CouplerScene {
+    // Without both phases there is nothing to couple, and the scheme has no meaning: one pass.
+    let uncoupled = Coupling {
+        scheme: Some(Scheme::Staggered),
+        drag: protocol::configure::DragLaw::Dallavalle,
+        reaction: true,
+        geometry: Geometry::Disk,
+        smoothing_length: None,
+        adaptive: None,
+    };
+    let coupling = keys.coupling.as_ref().unwrap_or(&uncoupled);
+    CouplerScene {
+        end_time: keys.run.end_time,
+        coupling_step: keys.run.coupling_step,
+        adaptive: coupling.adaptive,
+        gravity: keys.gravity.acceleration,
+        grains_stay: false,
+        grains_file: particles.is_some().then(|| GRAINS_FILE.to_string()),
+        fluid,
+        particles,
+        scheme: coupling.scheme.unwrap_or(Scheme::Staggered),
+        drag: coupling.drag,
+        geometry: coupling.geometry,
+        reaction: coupling.reaction,
+        smoothing_length: coupling.smoothing_length,
+        output_every: keys.output.every,
+        limits: Limits {
+            connect: keys.limits.connect,
+            configure: keys.limits.configure,
+            step: keys.limits.step,
+        },
+    }
+}
+
+/// What was asked for and has no effect.
+fn warnings(keys: &SceneFile) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if keys.engines.fluid.is_some() && keys.fluid.is_none() {
+        warnings.push("engines.fluid is not started: the scene has no [fluid]".to_string());
+    }
+    if keys.engines.particles.is_some() && keys.grains.is_empty() {
+        warnings.push("engines.particles is not started: the scene has no [[grains]]".to_string());
+    }
+    if keys.coupling.is_some() && (keys.fluid.is_none() || keys.grains.is_empty()) {
+        warnings.push("[coupling] couples nothing: the scene has one phase only".to_string());
+    }
+    warnings
+}

@@ -1,0 +1,5 @@
+//! Tests of scenes, in one binary.
+
+mod populations;
+mod scene_errors;
+mod scenes_folder;

@@ -1,0 +1,467 @@
+//! Every class of error in a scene names file, line, key, value and what is allowed; exit code 2.
+
+use std::path::Path;
+
+use scene::document::Document;
+
+const CLEAR_FLUID: &str = r#"
+[run]
+end_time = 1.0
+coupling_step = 0.1
+[gravity]
+acceleration = [0.0, -9.81]
+[fluid]
+density = 1200.0
+dynamic_viscosity = 0.12
+[fluid.domain]
+rectangle = { lower = [0.0, 0.0], upper = [0.01, 0.02], cells = [4, 8] }
+[fluid.boundaries]
+all = "no-slip"
+"#;
+
+const GRAINS: &str = r#"
+[[grains]]
+density = 2400.0
+radius = 1e-4
+cloud = { centre = [5e-3, 1e-2], radius = 2e-3, solid_fraction = 0.2, seed = 1 }
+[contact]
+tolerance = 1e-3
+[coupling]
+scheme = "staggered"
+"#;
+
+fn coupled() -> String {
+    format!("{CLEAR_FLUID}{GRAINS}")
+}
+
+/// The message of a scene that must be refused, in one line a problem.
+fn refusal(text: &str, settings: &[&str]) -> String {
+    let settings: Vec<String> = settings.iter().map(|setting| setting.to_string()).collect();
+    let loaded = Document::parse(Path::new("case.toml"), text.to_string(), &settings)
+        .and_then(|document| scene::from_document(&document, 1));
+    match loaded {
+        Ok(_) => panic!("accepted: {settings:?}\n{text}"),
+        Err(error) => {
+            assert_eq!(error.exit_code(), 2, "{error}");
+            println!("{error}");
+            error.to_string()
+        }
+    }
+}
+
+fn accepted(text: &str, settings: &[&str]) -> scene::Scene {
+    let settings: Vec<String> = settings.iter().map(|setting| setting.to_string()).collect();
+    Document::parse(Path::new("case.toml"), text.to_string(), &settings)
+        .and_then(|document| scene::from_document(&document, 1))
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn assert_names(message: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(message.contains(part), "no {part:?} in {message:?}");
+    }
+}
+
+#[test]
+fn unknown_key_is_refused_with_line_and_nearest_key() {
+    let text = CLEAR_FLUID.replace("density", "densty");
+    assert_names(
+        &refusal(&text, &[]),
+        &["case.toml:8", "fluid.densty", "did you mean density?"],
+    );
+    let message = refusal(&coupled().replace("solid_fraction", "solid_fracton"), &[]);
+    assert_names(
+        &message,
+        &[
+            "case.toml:18",
+            "grains[0].cloud.solid_fracton",
+            "solid_fraction?",
+        ],
+    );
+    let message = refusal(&format!("{CLEAR_FLUID}\n[outptu]\nevery = 1.0\n"), &[]);
+    assert_names(
+        &message,
+        &["case.toml:15", "outptu", "did you mean output?"],
+    );
+}
+
+#[test]
+fn wrong_type_is_refused_with_line_value_and_what_is_expected() {
+    let text = CLEAR_FLUID.replace("1200.0", "\"heavy\"");
+    assert_names(
+        &refusal(&text, &[]),
+        &["case.toml:8", "fluid.density", "\"heavy\"", "a number"],
+    );
+    let text = CLEAR_FLUID.replace("[4, 8]", "[4, 8.5]");
+    assert_names(
+        &refusal(&text, &[]),
+        &["case.toml:11", "cells[1] = 8.5", "whole number"],
+    );
+    let text = CLEAR_FLUID.replace("[0.0, -9.81]", "-9.81");
+    assert_names(
+        &refusal(&text, &[]),
+        &["case.toml:6", "gravity.acceleration", "two numbers"],
+    );
+}
+
+#[test]
+fn numbers_out_of_range_are_all_reported_at_once() {
+    let text = coupled()
+        .replace("1200.0", "-1200.0")
+        .replace("coupling_step = 0.1", "coupling_step = 0.0")
+        .replace("radius = 1e-4", "radius = -1e-4")
+        .replace("tolerance = 1e-3", "tolerance = 2.0");
+    let message = refusal(&text, &[]);
+    assert_eq!(message.lines().count(), 4, "{message}");
+    assert_names(
+        &message,
+        &["case.toml:4", "run.coupling_step = 0.0", "greater than 0 s"],
+    );
+    assert_names(
+        &message,
+        &[
+            "case.toml:8",
+            "fluid.density = -1200.0",
+            "greater than 0 kg/m³",
+        ],
+    );
+    assert_names(
+        &message,
+        &[
+            "case.toml:17",
+            "grains[0].radius = -1e-4",
+            "greater than 0 m",
+        ],
+    );
+    assert_names(
+        &message,
+        &["case.toml:20", "contact.tolerance = 2.0", "between 0 and 1"],
+    );
+}
+
+#[test]
+fn meshes_beyond_any_memory_are_refused() {
+    let message = refusal(
+        CLEAR_FLUID,
+        &["fluid.domain.rectangle.cells=[100000, 100000]"],
+    );
+    assert_names(&message, &["rectangle.cells", "at most 1e8 nodes"]);
+}
+
+#[test]
+fn not_finite_numbers_are_refused() {
+    for key in ["run.end_time", "fluid.density", "fluid.dynamic_viscosity"] {
+        for value in ["nan", "inf"] {
+            assert_names(
+                &refusal(CLEAR_FLUID, &[&format!("{key}={value}")]),
+                &[key, "finite"],
+            );
+        }
+    }
+    assert_names(
+        &refusal(CLEAR_FLUID, &["gravity.acceleration=[0.0,nan]"]),
+        &["finite"],
+    );
+}
+
+#[test]
+fn a_boundary_that_does_not_exist_is_refused_with_the_names_that_do() {
+    let message = refusal(&format!("{CLEAR_FLUID}lef = \"slip\"\n"), &[]);
+    assert_names(
+        &message,
+        &[
+            "case.toml:14",
+            "fluid.boundaries.lef",
+            "did you mean left?",
+            "top",
+        ],
+    );
+}
+
+#[test]
+fn a_name_goes_before_all_and_every_side_has_one_condition() {
+    let scene = accepted(&format!("{CLEAR_FLUID}left = \"slip\"\n"), &[]);
+    let Some(fluid) = scene.coupler.fluid else {
+        panic!("no fluid")
+    };
+    println!("{:?}", fluid.boundaries);
+    assert_eq!(fluid.boundaries.len(), 4);
+    assert_eq!(
+        fluid.boundaries["left"],
+        protocol::configure::Boundary::Slip
+    );
+    assert_eq!(
+        fluid.boundaries["right"],
+        protocol::configure::Boundary::NoSlip
+    );
+}
+
+#[test]
+fn overlapping_boundaries_are_refused() {
+    let twice = format!("{CLEAR_FLUID}left = \"slip\"\nleft = \"no-slip\"\n");
+    assert_names(&refusal(&twice, &[]), &["case.toml:15", "duplicate key"]);
+    let all_named = ["left", "right", "bottom", "top"].map(|side| format!("{side} = \"slip\"\n"));
+    let message = refusal(&format!("{CLEAR_FLUID}{}", all_named.concat()), &[]);
+    assert_names(
+        &message,
+        &["case.toml:13", "fluid.boundaries.all", "apply to none"],
+    );
+}
+
+#[test]
+fn a_boundary_without_condition_is_refused() {
+    let text = CLEAR_FLUID.replace("all =", "left =");
+    let message = refusal(&text, &[]);
+    assert_eq!(message.lines().count(), 3);
+    assert_names(&message, &["fluid.boundaries.right", "missing"]);
+}
+
+#[test]
+fn periodic_sides_come_in_pairs() {
+    let text = format!("{CLEAR_FLUID}left = \"periodic\"\n");
+    assert_names(
+        &refusal(&text, &[]),
+        &["case.toml:14", "opposite side, right"],
+    );
+}
+
+#[test]
+fn inflow_without_a_way_out_is_refused() {
+    let text = format!("{CLEAR_FLUID}bottom = {{ inflow = {{ velocity = [0.0, 0.5] }} }}\n");
+    assert_names(
+        &refusal(&text, &[]),
+        &["fluid.boundaries", "5e-3 m²/s", "open"],
+    );
+    accepted(
+        &format!("{text}top = {{ open = {{ pressure = 0.0 }} }}\n"),
+        &[],
+    );
+    let lid = format!("{CLEAR_FLUID}top = {{ inflow = {{ velocity = [1.0, 0.0] }} }}\n");
+    accepted(&lid, &[]);
+}
+
+#[test]
+fn a_missing_mesh_file_is_refused_with_its_path() {
+    let text = CLEAR_FLUID.replace(
+        "rectangle = { lower = [0.0, 0.0], upper = [0.01, 0.02], cells = [4, 8] }",
+        "mesh = \"no.msh\"",
+    );
+    assert_names(
+        &refusal(&text, &[]),
+        &[
+            "case.toml:11",
+            "fluid.domain.mesh",
+            "no.msh",
+            "No such file",
+        ],
+    );
+}
+
+#[test]
+fn names_of_a_mesh_are_known_and_curves_in_two_groups_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mesh = |groups: &str| {
+        format!(
+            "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n1 1 \"inlet\"\n1 2 \"walls\"\n\
+             2 3 \"fluid\"\n$EndPhysicalNames\n$Entities\n0 2 0 0\n1 0 0 0 1 0 0 {groups} 0\n\
+             2 0 0 0 0 1 0 1 2 0\n$EndEntities\n"
+        )
+    };
+    let text = CLEAR_FLUID.replace(
+        "rectangle = { lower = [0.0, 0.0], upper = [0.01, 0.02], cells = [4, 8] }",
+        "mesh = \"m.msh\"",
+    );
+    let path = folder.path().join("case.toml");
+    std::fs::write(&path, &text).expect("written");
+    let load = |mesh: String| {
+        std::fs::write(folder.path().join("m.msh"), mesh).expect("written");
+        scene::load(&path, &["fluid.boundaries.inlet=slip".into()], 1)
+    };
+    let scene = load(mesh("1 1")).expect("a good mesh");
+    let names: Vec<_> = scene
+        .coupler
+        .fluid
+        .expect("fluid")
+        .boundaries
+        .into_keys()
+        .collect();
+    assert_eq!(names, ["inlet", "walls"]);
+    let message = load(mesh("2 1 2")).expect_err("two groups").to_string();
+    assert_names(
+        &message,
+        &["m.msh", "curve 1 belongs to both 'inlet' and 'walls'"],
+    );
+    let message = load("$MeshFormat\n2.2 0 8\n".into())
+        .expect_err("old")
+        .to_string();
+    assert_names(&message, &["m.msh", "MeshFormat"]);
+}
+
+#[test]
+fn what_has_no_default_must_be_written() {
+    for (key, text) in [
+        (
+            "gravity",
+            CLEAR_FLUID.replace("[gravity]\nacceleration = [0.0, -9.81]\n", ""),
+        ),
+        ("run.end_time", CLEAR_FLUID.replace("end_time = 1.0\n", "")),
+        (
+            "contact",
+            coupled().replace("[contact]\ntolerance = 1e-3\n", ""),
+        ),
+        (
+            "contact.tolerance",
+            coupled().replace("tolerance = 1e-3", "friction = 0.1"),
+        ),
+        (
+            "coupling.scheme",
+            coupled().replace("[coupling]\nscheme = \"staggered\"\n", ""),
+        ),
+        (
+            "passes_max",
+            coupled().replace("\"staggered\"", "{ iterated = { tolerance = 1e-3 } }"),
+        ),
+        (
+            "grains[0].density",
+            coupled().replace("density = 2400.0\n", ""),
+        ),
+        ("grains[0].radius", coupled().replace("radius = 1e-4\n", "")),
+    ] {
+        assert_names(&refusal(&text, &[]), &["case.toml:", key, "missing"]);
+    }
+    assert_names(
+        &refusal(
+            "[run]\nend_time=1.0\ncoupling_step=0.1\n[gravity]\nacceleration=[0,0]\n",
+            &[],
+        ),
+        &["nothing to compute"],
+    );
+}
+
+#[test]
+fn a_population_is_exactly_one_kind() {
+    let text = coupled().replace("[contact]", "file = \"grains.csv\"\n[contact]");
+    assert_names(
+        &refusal(&text, &[]),
+        &["grains[0]", "exactly one of cloud, lattice, box and file"],
+    );
+    let text = coupled().replace("solid_fraction = 0.2,", "solid_fraction = 0.2, count = 3,");
+    assert_names(
+        &refusal(&text, &[]),
+        &["grains[0].cloud", "exactly one of solid_fraction and count"],
+    );
+}
+
+#[test]
+fn grains_outside_the_domain_and_overlapping_grains_are_refused() {
+    let message = refusal(&coupled(), &["grains[0].cloud.centre=[1e-3,1e-2]"]);
+    assert_names(&message, &["grains[0]", "left side"]);
+    let again = "[[grains]]\ndensity = 2400.0\nradius = 1e-4\n\
+                 cloud = { centre = [5e-3, 1e-2], radius = 2e-3, count = 300, arrangement = \"sunflower\" }\n";
+    let message = refusal(
+        &coupled().replace("[contact]", &format!("{again}[contact]")),
+        &[],
+    );
+    assert_names(&message, &["grains[1]", "overlaps another grain"]);
+}
+
+#[test]
+fn too_dense_for_random_placing_is_refused_with_the_bound() {
+    let message = refusal(&coupled(), &["grains[0].cloud.solid_fraction=0.7"]);
+    assert_names(&message, &["grains[0].cloud", "at most 0.5", "lattice"]);
+}
+
+#[test]
+fn a_grain_file_is_refused_with_its_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene_path = folder.path().join("case.toml");
+    let text = coupled().replace(
+        "radius = 1e-4\ncloud = { centre = [5e-3, 1e-2], radius = 2e-3, solid_fraction = 0.2, seed = 1 }",
+        "file = \"g.csv\"",
+    );
+    std::fs::write(&scene_path, text).expect("written");
+    for (csv, parts) in [
+        (
+            "x,y,radius\n5e-3,5e-3,1e-4\n5e-3,6e-3,-1e-4\n",
+            ["g.csv:3", "radius = -1e-4"],
+        ),
+        (
+            "x,y,radius\n5e-3,five,1e-4\n",
+            ["g.csv:2", "y = five is not a number"],
+        ),
+        (
+            "x,y,radius\n5e-3,5e-3\n",
+            ["g.csv:2", "2 values in 3 columns"],
+        ),
+        ("x,y,diameter\n", ["g.csv", "unknown column diameter"]),
+        ("x,y\n", ["g.csv", "column radius is missing"]),
+        ("x,y,radius\n", ["g.csv", "no grain"]),
+    ] {
+        std::fs::write(folder.path().join("g.csv"), csv).expect("written");
+        let message = scene::load(&scene_path, &[], 1).expect_err(csv).to_string();
+        println!("{message}");
+        assert_names(&message, &parts);
+    }
+}
+
+#[test]
+fn settings_of_the_command_line_reach_every_key_and_are_named_in_messages() {
+    let scene = accepted(
+        &coupled(),
+        &[
+            "coupling.scheme=staggered",
+            "fluid.density=1300",
+            "output.every=0.5",
+        ],
+    );
+    assert_eq!(scene.coupler.fluid.expect("fluid").density, 1300.0);
+    assert_eq!(scene.coupler.output_every, Some(0.5));
+    assert_names(
+        &refusal(&coupled(), &["fluid.density=-1"]),
+        &["--set fluid.density", "-1"],
+    );
+    assert_names(
+        &refusal(&coupled(), &["fluid.densty=1"]),
+        &["fluid.densty", "did you mean density?"],
+    );
+    assert_names(&refusal(&coupled(), &["fluid.density"]), &["KEY=VALUE"]);
+    assert_names(
+        &refusal(&coupled(), &["grains[3].density=1"]),
+        &["grains[3].density"],
+    );
+}
+
+#[test]
+fn broken_toml_is_refused_with_its_line() {
+    let text = CLEAR_FLUID.replace("end_time = 1.0", "end_time = = 1.0");
+    assert_names(&refusal(&text, &[]), &["case.toml:3", "not valid TOML"]);
+}
+
+#[test]
+fn an_unknown_output_field_is_refused() {
+    let text = format!("{CLEAR_FLUID}[output]\nfields = [\"presure\"]\n");
+    assert_names(
+        &refusal(&text, &[]),
+        &["case.toml:15", "presure", "did you mean pressure?"],
+    );
+}
+
+#[test]
+fn the_schema_describes_every_key_and_allows_no_other() {
+    let schema = scene::schema::scene_schema();
+    assert_eq!(schema["additionalProperties"], false);
+    let keys: Vec<&String> = schema["properties"]
+        .as_object()
+        .expect("properties")
+        .keys()
+        .collect();
+    println!("{keys:?}");
+    for key in [
+        "run", "gravity", "fluid", "grains", "contact", "coupling", "output", "engines",
+    ] {
+        assert!(keys.iter().any(|known| *known == key), "{key}");
+    }
+    for law in scene::schema::DRAG_LAWS {
+        accepted(&coupled(), &[&format!("coupling.drag={law}")]);
+    }
+}

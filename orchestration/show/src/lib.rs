@@ -1,0 +1,13 @@
+//! What runs wrote, for people.
+//!
+//! | folder | what |
+//! | --- | --- |
+//! | `picture` | frames and the contact sheet of a run that goes on |
+//! | `page` | one HTML page of a run, from what its folder holds; as a file, or served |
+//! | `diff` | two runs or recordings compared |
+//! | `table` | tables of numbers in CSV |
+
+pub mod diff;
+pub mod page;
+pub mod picture;
+pub mod table;

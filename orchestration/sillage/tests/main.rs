@@ -1,0 +1,11 @@
+//! Tests of the orchestrator, in one binary.
+
+mod background;
+mod browser;
+mod commands;
+mod kills;
+mod leaving_out;
+mod processes;
+mod recordings;
+mod reports;
+mod stability;
