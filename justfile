@@ -24,7 +24,7 @@ doc:
 
 # The Python package and engines: set up once with engines/set-up.
 test-python:
-    engines/.venv/bin/python -m pytest engine-kit/python/tests
+    engines/.venv/bin/python -m pytest engines/kit/python/tests
     engines/.venv/bin/python -m pytest engines/tests
 
 # Renew the tables and plots of all studies, and the pictures of the README that come from them (two

@@ -11,33 +11,24 @@
 //!      │  accept: Commit to both, or another pass               │
 //! ```
 
-pub mod channel;
-pub mod codec;
-pub mod configure;
-mod convection;
-pub mod engine;
-pub mod error;
-pub mod field;
-pub mod header;
-mod iox;
-pub mod ipc;
-pub mod links;
-mod liveness;
-pub mod local;
-mod members;
-pub mod messages;
+mod coupler;
+mod language;
 pub mod monitor;
-pub mod partner;
-pub mod process;
-pub mod runspace;
-mod seats;
-mod serve;
-mod services;
+mod run;
+mod transport;
 
-pub use error::Error;
+pub use coupler::partner;
+pub use language::error::Error;
+pub use language::header::PROTOCOL_VERSION;
+pub use language::{codec, engine, error, field, header, message, scene};
+pub use run::{process, runspace};
+pub use transport::{channel, ipc, local};
 
-/// Version of the messages and of the header; both sides of a link must agree on it.
-pub const PROTOCOL_VERSION: u32 = 1;
+// The names of before, until everybody has moved.
+#[doc(hidden)]
+pub use language::message as messages;
+#[doc(hidden)]
+pub use language::scene as configure;
 
 /// The engine in the guide compiles.
 #[cfg(doctest)]

@@ -9,16 +9,16 @@ use std::time::Duration;
 
 use protocol::Error;
 use protocol::channel::{Channel, Wait};
-use protocol::configure::ParticleScene;
 use protocol::engine::{FluidForces, GrainAnswer, InitialGrains, ParticleEngine, serve_particles};
 use protocol::field::Field;
 use protocol::header::{Expected, FieldHeader, Stage, require_finite};
 use protocol::ipc::{coupler_link, engine_link};
 use protocol::local::{self, LIMITS};
-use protocol::messages::{Advance, Capability, Diagnostic, Failure, Role};
+use protocol::message::{Advance, Capability, Diagnostic, Failure, Role};
 use protocol::partner::Partner;
 use protocol::process;
 use protocol::runspace::RunSpace;
+use protocol::scene::ParticleScene;
 
 /// Says which partner a child of this program is.
 const ROLE: &str = "SILLAGE_EXCHANGE_ROLE";

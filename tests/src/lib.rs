@@ -4,14 +4,14 @@
 use std::collections::BTreeMap;
 
 use coupler::coupling::Coupling;
-use protocol::configure::{
+use protocol::engine::{InitialGrains, serve_fluid, serve_particles};
+use protocol::local::{LIMITS, connect};
+use protocol::message::Role;
+use protocol::partner::Partner;
+use protocol::scene::{
     Boundary, CouplerScene, Diagonals, DragLaw, FluidScene, Geometry, Limits, MeshSource,
     Nonlinear, ParticleScene, Scheme, TimeScheme, ViscousForm, Wall,
 };
-use protocol::engine::{InitialGrains, serve_fluid, serve_particles};
-use protocol::local::{LIMITS, connect};
-use protocol::messages::Role;
-use protocol::partner::Partner;
 use recording::Recorder;
 
 pub mod arguments;

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use coupler::drag::{self, Shape, implicit_slip_speed};
-use protocol::configure::{
+use protocol::engine::InitialGrains;
+use protocol::message::Role;
+use protocol::scene::{
     Boundary, CouplerScene, DragLaw, Geometry, Nonlinear, Profile, TimeScheme, Wall,
 };
-use protocol::engine::InitialGrains;
-use protocol::messages::Role;
 use recording::{Begin, Options, Outcome, Reader, Recorder, RecordingError, summary};
 
 use crate::grains::{Noise, disks, lattice, sunflower};

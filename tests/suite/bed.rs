@@ -2,8 +2,8 @@
 
 use coupler::coupling::Coupling;
 use coupler::drag::{Shape, implicit_slip_speed};
-use protocol::configure::{Boundary, CouplerScene, DragLaw, Geometry, Profile, Scheme, Wall};
 use protocol::engine::InitialGrains;
+use protocol::scene::{Boundary, CouplerScene, DragLaw, Geometry, Profile, Scheme, Wall};
 use tests::grains::{disks, frozen, lattice};
 use tests::reference::{number, rows};
 use tests::{
@@ -20,12 +20,7 @@ const GRAVITY: [f64; 2] = [0.0, -9.81];
 ///
 /// The fluid moves from the start: switching the flow on within one step would lift any bed by the
 /// impulse that accelerates the fluid, once the step is short.
-fn column(
-    width: f64,
-    height: f64,
-    cells: [usize; 2],
-    speed: f64,
-) -> protocol::configure::FluidScene {
+fn column(width: f64, height: f64, cells: [usize; 2], speed: f64) -> protocol::scene::FluidScene {
     let mut scene = with_uniform_diagonals(with_boundaries(
         fluid(
             WATER,

@@ -1,8 +1,8 @@
 //! Falling clouds against an independent spectral solution and an independent two-fluid solver.
 
 use coupler::coupling::{Coupling, StepReport};
-use protocol::configure::{CouplerScene, Scheme};
 use protocol::engine::InitialGrains;
+use protocol::scene::{CouplerScene, Scheme};
 use tests::grains::{Noise, disks, sunflower};
 use tests::reference::{number, rows};
 use tests::{box_walls, couple, fluid, mean, orders, particles, pressure, scene};

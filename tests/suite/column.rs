@@ -1,7 +1,7 @@
 //! A closed column of a uniform suspension: one-dimensional, with a closed form at every step.
 
-use protocol::configure::{Boundary, DragLaw, Scheme};
 use protocol::engine::InitialGrains;
+use protocol::scene::{Boundary, DragLaw, Scheme};
 use tests::grains::lattice;
 use tests::{couple, fluid, particles, scene, with_boundaries, with_uniform_diagonals};
 

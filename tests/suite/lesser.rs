@@ -3,13 +3,13 @@
 use coupler::coupling::Coupling;
 use fluid_solver::serve::Engine as Fluid;
 use particle_solver::serve::Engine as Particles;
-use protocol::configure::{CouplerScene, FluidScene, ParticleScene, Scheme};
 use protocol::engine::{
     FluidAnswer, FluidEngine, FluidForces, GrainAnswer, InitialGrains, MeshDescription,
     ParticleEngine, SolidResponse,
 };
 use protocol::local::{spawn_fluid, spawn_particles};
-use protocol::messages::{Advance, Capability, Diagnostic, Failure};
+use protocol::message::{Advance, Capability, Diagnostic, Failure};
+use protocol::scene::{CouplerScene, FluidScene, ParticleScene, Scheme};
 use std::path::Path;
 use tests::grains::{disks, sunflower};
 use tests::{box_walls, fluid, mean, particles, scene};

@@ -2,8 +2,8 @@
 
 use coupler::coupling::Coupling;
 use coupler::transfer::Transfer;
-use protocol::configure::{CouplerScene, Geometry};
 use protocol::engine::InitialGrains;
+use protocol::scene::{CouplerScene, Geometry};
 use tests::reference::{number, rows};
 use tests::{couple, fluid, orders, particles, scene};
 

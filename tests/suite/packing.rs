@@ -1,8 +1,8 @@
 //! A random packing of disks in a box under a flow that is switched on: held, then lifted.
 
 use coupler::coupling::Coupling;
-use protocol::configure::{Boundary, CouplerScene, ParticleScene, Profile, Scheme, Wall};
 use protocol::engine::InitialGrains;
+use protocol::scene::{Boundary, CouplerScene, ParticleScene, Profile, Scheme, Wall};
 use tests::grains::{Noise, disks, frozen, lattice};
 use tests::{couple, fluid, mean, particles, pressure, scene, with_boundaries};
 

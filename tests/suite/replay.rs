@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use protocol::messages::Role;
+use protocol::message::Role;
 use recording::{Ending, Reader, Report, compare, diff, replay};
 use tests::engine;
 use tests::recorded::{Case, cases, text_of};

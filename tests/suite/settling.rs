@@ -1,8 +1,8 @@
 //! Suspensions: fronts, rest, growth of a heavy layer, the deferred correction.
 
 use coupler::coupling::Coupling;
-use protocol::configure::{Boundary, DragLaw, Scheme, Wall};
 use protocol::engine::InitialGrains;
+use protocol::scene::{Boundary, DragLaw, Scheme, Wall};
 use tests::grains::{Noise, disks, lattice};
 use tests::reference::{number, rows};
 use tests::{

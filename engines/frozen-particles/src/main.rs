@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use protocol::configure::ParticleScene;
 use protocol::engine::{FluidForces, GrainAnswer, InitialGrains, ParticleEngine};
-use protocol::messages::{Advance, Capability, Diagnostic, Failure, FailureKind};
+use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
+use protocol::scene::ParticleScene;
 
 /// All that a checkpoint holds.
 const MARK: &str = "frozen-particles: grains that do not move have no state\n";

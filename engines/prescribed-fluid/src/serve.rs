@@ -4,9 +4,9 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use protocol::configure::{Boundary, Diagonals, FluidScene, MeshSource};
 use protocol::engine::{FluidAnswer, FluidEngine, MeshDescription, SolidResponse};
-use protocol::messages::{Advance, Capability, Diagnostic, Failure, FailureKind};
+use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
+use protocol::scene::{Boundary, Diagonals, FluidScene, MeshSource};
 
 use crate::formula::Formula;
 use crate::rectangle::{Mesh, Rectangle};

@@ -4,9 +4,9 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use protocol::configure::ParticleScene;
 use protocol::engine::{FluidForces, GrainAnswer, InitialGrains, ParticleEngine};
-use protocol::messages::{Advance, Capability, Diagnostic, Failure, FailureKind};
+use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
+use protocol::scene::ParticleScene;
 use rapier2d_f64::prelude::PhysicsPipeline;
 
 use crate::contacts::{Contacts, crossing};

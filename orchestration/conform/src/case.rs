@@ -6,7 +6,7 @@ use std::time::Duration;
 use protocol::configure::{FluidScene, Geometry, Limits, ParticleScene};
 use protocol::engine::InitialGrains;
 use protocol::field::Field;
-use protocol::links::{FROM_FLUID, FROM_PARTICLES};
+use protocol::field::{FROM_FLUID, FROM_PARTICLES};
 use protocol::messages::{Advance, Capability, Role};
 
 use scene::document::Document;

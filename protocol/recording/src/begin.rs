@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use protocol::PROTOCOL_VERSION;
-use protocol::configure::{CouplerScene, MeshSource};
+use protocol::scene::{CouplerScene, MeshSource};
 
 use crate::error::RecordingError;
 

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use protocol::messages::{Diagnostic, ToCoupler, ToEngine};
+use protocol::message::{Diagnostic, ToCoupler, ToEngine};
 
 use crate::compare::Table;
 use crate::entry::{Body, Entry, Key, Kind, topic};

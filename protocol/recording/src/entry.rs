@@ -2,7 +2,7 @@
 
 use protocol::field::Field;
 use protocol::header::FieldHeader;
-use protocol::messages::{Role, ToCoupler, ToEngine};
+use protocol::message::{Role, ToCoupler, ToEngine};
 
 /// Bytes before each payload.
 const HEADER: usize = 64;

@@ -11,8 +11,8 @@
 //! | --- | --- |
 //! | `run/begin` | JSON [`Begin`]: format, protocol, versions, scene, mesh file |
 //! | `fluid/<field>`, `particles/<field>` | `f64`, little endian, as exchanged |
-//! | `fluid/request`, `particles/request` | JSON of a [`ToEngine`](protocol::messages::ToEngine) |
-//! | `fluid/answer`, `particles/answer` | JSON of a [`ToCoupler`](protocol::messages::ToCoupler) |
+//! | `fluid/request`, `particles/request` | JSON of a [`ToEngine`](protocol::message::ToEngine) |
+//! | `fluid/answer`, `particles/answer` | JSON of a [`ToCoupler`](protocol::message::ToCoupler) |
 //! | `run/end` | JSON [`End`]: whether all is in it, and how the run ended |
 //!
 //! Every payload stands behind 64 bytes: the header of the wire, in which bytes 56–59 are the CRC-32C

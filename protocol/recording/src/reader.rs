@@ -16,7 +16,7 @@ use mcap::{McapError, McapResult};
 
 use protocol::PROTOCOL_VERSION;
 use protocol::header::FieldHeader;
-use protocol::messages::Role;
+use protocol::message::Role;
 
 use crate::begin::{BEGIN, Begin, END, End, FORMAT, PROFILE};
 use crate::entry::{Body, Entry, Key, Kind, decode, parse_topic, to_numbers};

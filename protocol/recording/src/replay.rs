@@ -5,13 +5,12 @@ use std::path::Path;
 use serde::Serialize;
 
 use protocol::Error;
-use protocol::configure::MeshSource;
 use protocol::engine::{InitialGrains, MeshDescription};
-use protocol::field::Field;
+use protocol::field::{FROM_FLUID, FROM_PARTICLES, Field, MESH};
 use protocol::header::Stage;
-use protocol::links::{FROM_FLUID, FROM_PARTICLES, MESH, grain_slices};
-use protocol::messages::{Advance, Configure, Hello, Role, ToCoupler, ToEngine};
+use protocol::message::{Advance, Configure, Hello, Role, ToCoupler, ToEngine};
 use protocol::partner::Partner;
+use protocol::scene::MeshSource;
 
 use crate::compare::Table;
 use crate::entry::{Body, Entry, Key};
@@ -158,7 +157,7 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
                 let grains = self
                     .partner
                     .configure_particles(&scene, &grains_of(&inputs))?;
-                let fields = grain_slices(&grains);
+                let fields = grains.slices();
                 self.answers = fields
                     .map(|(field, values)| (field, values.to_vec()))
                     .into();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use protocol::messages::{ToCoupler, ToEngine};
+use protocol::message::{ToCoupler, ToEngine};
 
 use crate::entry::{Body, Kind, topic};
 use crate::error::RecordingError;

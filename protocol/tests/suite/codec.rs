@@ -1,9 +1,9 @@
 use protocol::codec::{CodecError, LIMIT, decode, encode};
-use protocol::configure::Wall;
 use protocol::field::Field;
-use protocol::messages::{
+use protocol::message::{
     Advance, Configure, Diagnostic, Done, Failure, FailureKind, ToCoupler, ToEngine,
 };
+use protocol::scene::Wall;
 
 use crate::toy;
 

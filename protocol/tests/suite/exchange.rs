@@ -1,7 +1,7 @@
 use protocol::Error;
 use protocol::field::Field;
 use protocol::local::{spawn_fluid, spawn_particles};
-use protocol::messages::{FailureKind, Role};
+use protocol::message::{FailureKind, Role};
 use protocol::partner::Partner;
 
 use crate::toy::{self, Fault, ToyFluid, ToyGrains, fluid_run, particle_run};

@@ -2,12 +2,12 @@ use std::time::{Duration, Instant};
 
 use protocol::channel::{Channel, Wait};
 use protocol::codec;
-use protocol::configure::Limits;
 use protocol::field::Field;
 use protocol::header::FieldHeader;
 use protocol::local::{LIMITS, spawn, spawn_fluid, spawn_with};
-use protocol::messages::{Hello, Ready, Role, ToCoupler};
+use protocol::message::{Hello, Ready, Role, ToCoupler};
 use protocol::partner::Partner;
+use protocol::scene::Limits;
 use protocol::{Error, PROTOCOL_VERSION};
 
 use crate::toy::{self, Fault, ToyFluid};

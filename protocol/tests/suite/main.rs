@@ -3,6 +3,7 @@
 mod codec;
 mod exchange;
 mod faults;
+mod fields;
 mod header;
 mod monitor;
 mod processes;

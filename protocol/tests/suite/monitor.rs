@@ -1,7 +1,7 @@
 use std::time::Duration;
 
 use protocol::field::Field;
-use protocol::messages::{Diagnostic, ToOrchestrator};
+use protocol::message::{Diagnostic, ToOrchestrator};
 use protocol::monitor::{MonitorReceiver, MonitorSender};
 use protocol::runspace::RunSpace;
 

@@ -7,14 +7,14 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use protocol::Error;
-use protocol::configure::Limits;
 use protocol::engine::{serve_fluid, serve_particles};
 use protocol::ipc::engine_link;
 use protocol::local::{LIMITS, spawn_fluid, spawn_particles};
-use protocol::messages::Role;
+use protocol::message::Role;
 use protocol::partner::Partner;
 use protocol::process;
 use protocol::runspace::RunSpace;
+use protocol::scene::Limits;
 
 use crate::runspaces::files_of;
 use crate::toy::{self, Fault, ToyFluid, ToyGrains, fluid_run, particle_run};

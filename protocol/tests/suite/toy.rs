@@ -5,16 +5,16 @@
 use std::path::Path;
 use std::time::Duration;
 
-use protocol::configure::{
-    Boundary, Diagonals, FluidScene, MeshSource, Nonlinear, ParticleScene, TimeScheme, ViscousForm,
-};
 use protocol::engine::{
     FluidAnswer, FluidEngine, FluidForces, GrainAnswer, InitialGrains, MeshDescription,
     ParticleEngine, SolidResponse,
 };
 use protocol::field::Field;
-use protocol::messages::{Advance, Capability, Diagnostic, Failure, FailureKind};
+use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
 use protocol::partner::Partner;
+use protocol::scene::{
+    Boundary, Diagonals, FluidScene, MeshSource, Nonlinear, ParticleScene, TimeScheme, ViscousForm,
+};
 
 /// What goes wrong, in the second step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

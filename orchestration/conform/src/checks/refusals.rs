@@ -5,8 +5,8 @@
 use protocol::PROTOCOL_VERSION;
 use protocol::codec;
 use protocol::field::Field;
+use protocol::field::GRAINS;
 use protocol::header::{FieldHeader, Stage};
-use protocol::links::GRAINS;
 use protocol::messages::{Advance, Configure, FailureKind, Role, ToEngine};
 
 use crate::bench::{Bench, Candidate, LEAVE};

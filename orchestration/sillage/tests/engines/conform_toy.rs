@@ -10,9 +10,9 @@ use protocol::codec;
 use protocol::engine::InitialGrains;
 use protocol::error::Error;
 use protocol::field::Field;
+use protocol::field::GRAINS;
 use protocol::header::{Expected, FieldHeader, Stage};
 use protocol::ipc::engine_link;
-use protocol::links::GRAINS;
 use protocol::messages::{
     Advance, Capability, Configure, Done, Failure, FailureKind, Hello, Ready, Role, ToCoupler,
     ToEngine,

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use protocol::header::FieldHeader;
-use protocol::messages::Role;
+use protocol::message::Role;
 
 use crate::entry::{Key, Kind};
 

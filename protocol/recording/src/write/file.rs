@@ -10,7 +10,7 @@ use mcap::{McapError, WriteOptions, Writer};
 
 use protocol::codec;
 use protocol::header::FieldHeader;
-use protocol::messages::{Role, ToCoupler, ToEngine};
+use protocol::message::{Role, ToCoupler, ToEngine};
 
 use crate::begin::{BEGIN, Compression, END, End, FORMAT, PROFILE};
 use crate::entry::{Kind, encode, to_bytes, topic};

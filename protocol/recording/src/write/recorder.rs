@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
 use protocol::channel::Channel;
-use protocol::messages::Role;
+use protocol::message::Role;
 
 use crate::begin::{Begin, Compression};
 use crate::error::RecordingError;

@@ -7,7 +7,7 @@ use protocol::channel::{Channel, Loan, Received, Wait};
 use protocol::codec;
 use protocol::field::Field;
 use protocol::header::{FieldHeader, Stage};
-use protocol::messages::{Role, ToEngine};
+use protocol::message::{Role, ToEngine};
 
 use crate::entry::Kind;
 

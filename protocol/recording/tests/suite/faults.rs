@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use protocol::codec;
 use protocol::header::FieldHeader;
 use protocol::local::{self, LIMITS};
-use protocol::messages::Role;
+use protocol::message::Role;
 use protocol::partner::Partner;
 use recording::{Begin, Body, Ending, Entry, Options, Reader, Recorder, RecordingError};
 
@@ -266,7 +266,7 @@ fn a_message_that_is_none_is_recorded_as_it_came() {
     let tapped = recorder.tap(Role::Fluid, link);
     let error = Partner::greet(Role::Fluid, tapped, &LIMITS).expect_err("no greeting");
     println!("{error}");
-    assert!(codec::decode::<protocol::messages::ToCoupler>(&garbage).is_err());
+    assert!(codec::decode::<protocol::message::ToCoupler>(&garbage).is_err());
     recorder.finish(error.exit_code());
     let (entries, ending) = read(&path);
     assert_eq!(ending, Ending::Complete { exit: Some(7) });

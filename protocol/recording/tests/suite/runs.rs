@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use protocol::configure::{CouplerScene, DragLaw, FluidScene, Geometry, Limits, Scheme};
 use protocol::engine::{
     FluidAnswer, FluidEngine, MeshDescription, SolidResponse, serve_fluid, serve_particles,
 };
 use protocol::field::Field;
 use protocol::header::Stage;
 use protocol::local::{self, LIMITS};
-use protocol::messages::{Advance, Capability, Diagnostic, Failure, Role, ToCoupler, ToEngine};
+use protocol::message::{Advance, Capability, Diagnostic, Failure, Role, ToCoupler, ToEngine};
 use protocol::partner::Partner;
+use protocol::scene::{CouplerScene, DragLaw, FluidScene, Geometry, Limits, Scheme};
 use recording::{
     Begin, Body, Compression, Ending, Entry, Key, Options, Outcome, Reader, Recorder, Report,
     compare, diff, replay, summary,

@@ -1,0 +1,673 @@
+/* The C interface of Sillage's engines. Written by cbindgen from engines/kit/c/src: do not edit.
+ *
+ * An engine makes a handle, says what it can do, and hands over its functions:
+ *
+ *     sillage_engine *engine = sillage_engine_new("my-engine", "1.0");
+ *     sillage_engine_declare(engine, SILLAGE_IMPLICIT_DRAG);
+ *     int code = sillage_run_particles(engine, &calls, user);
+ *     sillage_engine_free(engine);
+ *     return code;
+ *
+ * Units are SI, vectors are interleaved (x0, y0, x1, y1, ...), disks are per metre of depth.
+ *
+ * Memory. Everything that the library hands to a function of the engine belongs to the library and
+ * is valid until that function returns. What an engine hands to the library is copied before the
+ * call returns (the mesh: when `configure` has returned).
+ *
+ * Errors. Functions return 0, or -1 with the reason in sillage_last_error(), which is kept for
+ * each thread. Functions of the engine return 0, or what sillage_fail() returned.
+ *
+ * Threads. The engine's functions are called one after the other on the thread that called
+ * sillage_run_...; sillage_fail() and sillage_report() may be called from any thread. No C++
+ * exception and no longjmp may leave a function of the engine: the process would abort.
+ *
+ * Signals. sillage_run_...() sets handlers for SIGTERM, SIGHUP, SIGINT (leave the run, exit with 128 +
+ * the signal) and SIGBUS (shared memory is full: a line on stderr, exit code 4), and a thread that ends
+ * the process with exit code 5 when a partner is lost during a long computation.
+ */
+
+
+#ifndef SILLAGE_ENGINE_H
+#define SILLAGE_ENGINE_H
+
+#include <stdint.h>
+
+/*
+ Version of this interface; compare with sillage_abi_version().
+ */
+#define SILLAGE_ABI_VERSION 1
+
+/*
+ Fluid: the entrained fraction and the solid mobility are used, not only drag and source.
+ */
+#define SILLAGE_AFFINE_RESPONSE 0
+
+/*
+ Particles: the drag is taken implicitly, in the free motion and in the contacts.
+ */
+#define SILLAGE_IMPLICIT_DRAG 1
+
+/*
+ Particles: contact 2 tells grains that a wall or a fixed grain holds.
+ */
+#define SILLAGE_CONTACT_STATE 2
+
+/*
+ Both: save and restore bring back the same bits.
+ */
+#define SILLAGE_CHECKPOINT 3
+
+/*
+ The scene's part is not usable (exit code 2).
+ */
+#define SILLAGE_FAILURE_SCENE 2
+
+/*
+ The engine cannot do this, or broke (exit code 4).
+ */
+#define SILLAGE_FAILURE_ENGINE 4
+
+/*
+ A value is not finite, or an invariant is broken (exit code 7).
+ */
+#define SILLAGE_FAILURE_NOT_FINITE 7
+
+/*
+ An iteration did not converge (exit code 8).
+ */
+#define SILLAGE_FAILURE_NOT_CONVERGED 8
+
+/*
+ Boundary: u = 0.
+ */
+#define SILLAGE_NO_SLIP 0
+
+/*
+ Boundary: u.n = 0, no tangential traction.
+ */
+#define SILLAGE_SLIP 1
+
+/*
+ Boundary: joined with the opposite side.
+ */
+#define SILLAGE_PERIODIC 2
+
+/*
+ Boundary: superficial velocity given, the same everywhere.
+ */
+#define SILLAGE_INFLOW_UNIFORM 3
+
+/*
+ Boundary: superficial velocity given, zero at both ends and `velocity` in the middle.
+ */
+#define SILLAGE_INFLOW_PARABOLIC 4
+
+/*
+ Boundary: pressure given at its highest point, hydrostatic along it.
+ */
+#define SILLAGE_OPEN 5
+
+/*
+ Time scheme: backward Euler.
+ */
+#define SILLAGE_BACKWARD_EULER 0
+
+/*
+ Time scheme: second order, the first step backward Euler.
+ */
+#define SILLAGE_BDF2 1
+
+/*
+ Time scheme: one advance() is the steady state.
+ */
+#define SILLAGE_STEADY 2
+
+/*
+ An engine: made by sillage_engine_new(), freed by sillage_engine_free().
+ */
+typedef struct sillage_engine sillage_engine;
+
+/*
+ The condition on a named boundary. Velocities are superficial.
+ */
+typedef struct sillage_boundary {
+    /*
+     Its name: left, right, bottom, top of a rectangle, or the mesh's.
+     */
+    const char *name;
+    /*
+     One of SILLAGE_NO_SLIP, SILLAGE_SLIP, SILLAGE_PERIODIC, SILLAGE_INFLOW_UNIFORM,
+     SILLAGE_INFLOW_PARABOLIC, SILLAGE_OPEN.
+     */
+    uint32_t condition;
+    /*
+     Velocity of an inflow (m/s).
+     */
+    double velocity[2];
+    /*
+     Pressure of an open boundary (Pa).
+     */
+    double pressure;
+} sillage_boundary;
+
+/*
+ What a fluid engine is configured with.
+ */
+typedef struct sillage_fluid_scene {
+    /*
+     Density (kg/m3).
+     */
+    double density;
+    /*
+     Dynamic viscosity (Pa s).
+     */
+    double dynamic_viscosity;
+    /*
+     g (m/s2).
+     */
+    double gravity[2];
+    /*
+     A Gmsh 4.1 file; NULL: a rectangle.
+     */
+    const char *mesh_file;
+    /*
+     Rectangle: lower left corner (m).
+     */
+    double lower[2];
+    /*
+     Rectangle: upper right corner (m).
+     */
+    double upper[2];
+    /*
+     Rectangle: cells in x and y, two triangles each.
+     */
+    uint64_t cells[2];
+    /*
+     Rectangle: ratio of the largest to the smallest cell in x and y, both ends refined.
+     */
+    double grading[2];
+    /*
+     Rectangle: 0: diagonals alternate from cell to cell, 1: all the same.
+     */
+    uint32_t uniform_diagonals;
+    /*
+     Number of boundaries.
+     */
+    uint32_t boundary_count;
+    /*
+     Boundaries.
+     */
+    const struct sillage_boundary *boundaries;
+    /*
+     0: creeping flow, no v.grad v.
+     */
+    uint32_t convection;
+    /*
+     One of SILLAGE_BACKWARD_EULER, SILLAGE_BDF2, SILLAGE_STEADY.
+     */
+    uint32_t time_scheme;
+    /*
+     Newton to this relative residual within a step; 0: one linear solve.
+     */
+    double newton_tolerance;
+    /*
+     Iterations of Newton allowed.
+     */
+    uint64_t newton_iterations_max;
+    /*
+     0: -div(2 mu phi D(v)), 1: the paper's three terms as printed.
+     */
+    uint32_t paper_literal_viscosity;
+    /*
+     Threads the engine may use.
+     */
+    uint32_t threads;
+    /*
+     Factor of a grad-div stabilisation.
+     */
+    double grad_div;
+    /*
+     Uniform initial superficial velocity (m/s).
+     */
+    double initial_velocity[2];
+} sillage_fluid_scene;
+
+/*
+ The mesh, to be filled by configure(): pointers to the engine's arrays, which must stay until it
+ has returned. Every pointer is NULL before.
+ */
+typedef struct sillage_mesh {
+    /*
+     Number of nodes.
+     */
+    uint64_t node_count;
+    /*
+     Node coordinates (m), 2 node_count numbers.
+     */
+    const double *node_position;
+    /*
+     Number of triangles.
+     */
+    uint64_t triangle_count;
+    /*
+     Nodes of each triangle, counter-clockwise, 3 triangle_count numbers.
+     */
+    const uint32_t *triangles;
+    /*
+     Corner coordinates of each triangle (m), unwrapped across periodic sides, 6 triangle_count
+     numbers; NULL: those of its nodes.
+     */
+    const double *triangle_position;
+    /*
+     Integral of each node's shape function (m2); NULL: a third of its triangles.
+     */
+    const double *nodal_mass;
+    /*
+     Period in x and y (m); 0: not periodic.
+     */
+    double period[2];
+} sillage_mesh;
+
+/*
+ What is asked of one advance().
+ */
+typedef struct sillage_request {
+    /*
+     Step, from 1.
+     */
+    uint64_t step;
+    /*
+     Pass within the step, from 0; a new pass throws the previous candidate away.
+     */
+    uint32_t pass;
+    /*
+     Particles: number of sub-steps to use; 0: the engine chooses.
+     */
+    uint32_t sub_steps;
+    /*
+     Time at the start of the step (s).
+     */
+    double time;
+    /*
+     Length of the step (s).
+     */
+    double dt;
+    /*
+     Relative accuracy asked of an inexact solve (contact): of |g| dt.
+     */
+    double tolerance;
+} sillage_request;
+
+/*
+ What the coupler tells about the grains, at the nodes; NULL: porosity 1, all others 0.
+ */
+typedef struct sillage_solid_response {
+    /*
+     Number of nodes.
+     */
+    uint64_t count;
+    /*
+     Porosity phi.
+     */
+    const double *porosity;
+    /*
+     Drag beta (kg/(m3 s)).
+     */
+    const double *drag;
+    /*
+     Drag source s (N/m3), 2 count numbers.
+     */
+    const double *drag_source;
+    /*
+     Entrained solid fraction c.
+     */
+    const double *entrained_fraction;
+    /*
+     Solid flux (m/s), 2 count numbers.
+     */
+    const double *solid_flux;
+    /*
+     Solid mobility kappa (m3 s/kg).
+     */
+    const double *solid_mobility;
+} sillage_solid_response;
+
+/*
+ The candidate, to be filled: every number is NaN before, and refused if it stays so.
+ */
+typedef struct sillage_fluid_answer {
+    /*
+     Number of nodes.
+     */
+    uint64_t count;
+    /*
+     Interstitial velocity u/phi (m/s), 2 count numbers.
+     */
+    double *interstitial_velocity;
+    /*
+     Pressure gradient averaged with each node's shape function (Pa/m), 2 count numbers.
+     */
+    double *pressure_gradient;
+    /*
+     Pressure (Pa).
+     */
+    double *pressure;
+} sillage_fluid_answer;
+
+/*
+ The functions of a fluid engine. Each returns 0, or what sillage_fail() returned. `user` is what
+ was given to sillage_run_fluid(). `save` and `restore` may be NULL where SILLAGE_CHECKPOINT is not
+ declared; the others may not.
+ */
+typedef struct sillage_fluid_calls {
+    /*
+     Take the scene, build the mesh, fill it in.
+     */
+    int32_t (*configure)(struct sillage_engine *engine,
+                         void *user,
+                         const struct sillage_fluid_scene *scene,
+                         struct sillage_mesh *mesh);
+    /*
+     Compute a candidate from the accepted state, which must not change.
+     */
+    int32_t (*advance)(struct sillage_engine *engine,
+                       void *user,
+                       const struct sillage_request *request,
+                       const struct sillage_solid_response *solid,
+                       const struct sillage_fluid_answer *answer);
+    /*
+     The last candidate becomes the accepted state.
+     */
+    int32_t (*commit)(struct sillage_engine *engine, void *user);
+    /*
+     Write the accepted state to a file.
+     */
+    int32_t (*save)(struct sillage_engine *engine, void *user, const char *path);
+    /*
+     Read the accepted state from a file.
+     */
+    int32_t (*restore)(struct sillage_engine *engine, void *user, const char *path);
+} sillage_fluid_calls;
+
+/*
+ A wall segment from a to b (m): grains stay on the left of a to b, and off both ends.
+ */
+typedef struct sillage_wall {
+    /*
+     Start.
+     */
+    double a[2];
+    /*
+     End.
+     */
+    double b[2];
+} sillage_wall;
+
+/*
+ What a particle engine is configured with.
+ */
+typedef struct sillage_particle_scene {
+    /*
+     g (m/s2); the engine applies the whole weight m g.
+     */
+    double gravity[2];
+    /*
+     Period in x and y (m); 0: not periodic.
+     */
+    double period[2];
+    /*
+     Number of walls.
+     */
+    uint64_t wall_count;
+    /*
+     Walls.
+     */
+    const struct sillage_wall *walls;
+    /*
+     Coulomb coefficient between grains.
+     */
+    double friction;
+    /*
+     Coulomb coefficient between grains and walls.
+     */
+    double wall_friction;
+    /*
+     Moment of inertia over m r2: 1/2 for disks, 2/5 for spheres.
+     */
+    double inertia_factor;
+    /*
+     Contact residual at which a solve stops, relative to |g| dt.
+     */
+    double tolerance;
+    /*
+     Sweeps allowed; more is an error.
+     */
+    uint64_t sweeps_max;
+    /*
+     Sub-steps allowed in a step; more is an error.
+     */
+    uint32_t sub_steps_max;
+    /*
+     Threads the engine may use.
+     */
+    uint32_t threads;
+} sillage_particle_scene;
+
+/*
+ The grains when a run begins. The engine may change the numbers, and lower `count` to run the
+ first ones only; the arrays stay the library's.
+ */
+typedef struct sillage_grains {
+    /*
+     Number of grains.
+     */
+    uint64_t count;
+    /*
+     Centres (m), 2 count numbers.
+     */
+    double *position;
+    /*
+     Velocities (m/s), 2 count numbers.
+     */
+    double *velocity;
+    /*
+     Radii (m).
+     */
+    double *radius;
+    /*
+     Masses (kg; disks: kg per metre of depth).
+     */
+    double *mass;
+    /*
+     Volumes (m3; disks: m2).
+     */
+    double *volume;
+    /*
+     1 for a grain that never moves, else 0.
+     */
+    double *fixed;
+} sillage_grains;
+
+/*
+ What the fluid does to the grains over a step; NULL: zero.
+ */
+typedef struct sillage_fluid_forces {
+    /*
+     Number of grains.
+     */
+    uint64_t count;
+    /*
+     Drag coefficient (kg/s), constant over the step, to be taken implicitly: the drag on a grain is
+     -drag v.
+     */
+    const double *drag;
+    /*
+     Force that does not depend on the grain's velocity (N), 2 count numbers.
+     */
+    const double *force;
+} sillage_fluid_forces;
+
+/*
+ The candidate, to be filled: every number is NaN before, and refused if it stays so.
+ */
+typedef struct sillage_grain_answer {
+    /*
+     Number of grains.
+     */
+    uint64_t count;
+    /*
+     Centres at the end of the step (m), 2 count numbers.
+     */
+    double *position;
+    /*
+     Velocities at the end of the step (m/s), 2 count numbers.
+     */
+    double *velocity;
+    /*
+     Displacement over the step divided by dt (m/s), 2 count numbers.
+     */
+    double *mean_velocity;
+    /*
+     0: free, 1: touches, 2: held by a wall or a fixed grain (where SILLAGE_CONTACT_STATE is
+     declared).
+     */
+    double *contact;
+} sillage_grain_answer;
+
+/*
+ The functions of a particle engine. Each returns 0, or what sillage_fail() returned. `user` is
+ what was given to sillage_run_particles(). `save` and `restore` may be NULL where
+ SILLAGE_CHECKPOINT is not declared; the others may not.
+ */
+typedef struct sillage_particle_calls {
+    /*
+     Take the scene and the grains.
+     */
+    int32_t (*configure)(struct sillage_engine *engine,
+                         void *user,
+                         const struct sillage_particle_scene *scene,
+                         struct sillage_grains *grains);
+    /*
+     Compute a candidate from the accepted state, which must not change.
+     */
+    int32_t (*advance)(struct sillage_engine *engine,
+                       void *user,
+                       const struct sillage_request *request,
+                       const struct sillage_fluid_forces *fluid,
+                       const struct sillage_grain_answer *answer);
+    /*
+     The last candidate becomes the accepted state.
+     */
+    int32_t (*commit)(struct sillage_engine *engine, void *user);
+    /*
+     Write the accepted state to a file.
+     */
+    int32_t (*save)(struct sillage_engine *engine, void *user, const char *path);
+    /*
+     Read the accepted state from a file.
+     */
+    int32_t (*restore)(struct sillage_engine *engine, void *user, const char *path);
+} sillage_particle_calls;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/*
+ Take the fluid seat of the run that the environment names, serve the coupler until the run is
+ over, and return the exit code for the process (0, or 2 to 8: protocol/README.md); -1 when the
+ arguments are not usable. Blocks. To be called once in a process, from its first thread, before
+ others are started.
+
+ # Safety
+
+ `engine` came from sillage_engine_new() and is not freed before this returns; `calls` points to
+ functions that keep what this header says; `user` is passed on untouched.
+ */
+int32_t sillage_run_fluid(struct sillage_engine *engine,
+                          const struct sillage_fluid_calls *calls,
+                          void *user);
+
+/*
+ Version of the interface that the library has; an engine was built for SILLAGE_ABI_VERSION.
+ */
+uint32_t sillage_abi_version(void);
+
+/*
+ Make an engine's handle. `name` and `version` are for the handshake: UTF-8, not empty, copied.
+ Returns NULL when they are not usable. Free it with sillage_engine_free().
+
+ # Safety
+
+ `name` and `version` are NULL or end with a zero byte.
+ */
+struct sillage_engine *sillage_engine_new(const char *name, const char *version);
+
+/*
+ Free a handle; NULL is allowed. Not while it runs.
+
+ # Safety
+
+ `engine` is NULL or came from sillage_engine_new(), is not freed yet, and does not run.
+ */
+void sillage_engine_free(struct sillage_engine *engine);
+
+/*
+ Declare what the engine can do, before it runs: one of SILLAGE_AFFINE_RESPONSE,
+ SILLAGE_IMPLICIT_DRAG, SILLAGE_CONTACT_STATE, SILLAGE_CHECKPOINT. Returns 0 or -1.
+
+ # Safety
+
+ `engine` is NULL or came from sillage_engine_new() and is not freed yet.
+ */
+int32_t sillage_engine_declare(struct sillage_engine *engine, uint32_t capability);
+
+/*
+ Say why a function of the engine fails, and return the result of this call from it. `kind` is one
+ of SILLAGE_FAILURE_...; `why` names the number, the bound and the place (UTF-8, copied). From any
+ thread; the first reason counts. Never returns 0.
+
+ # Safety
+
+ `engine` came from sillage_engine_new() and is not freed yet; `why` is NULL or ends with a zero
+ byte.
+ */
+int32_t sillage_fail(struct sillage_engine *engine, uint32_t kind, const char *why);
+
+/*
+ Report a number of this candidate, e.g. ("kinetic_energy", 1.2e-6), within advance(): finite, SI
+ units. From any thread. Returns 0 or -1.
+
+ # Safety
+
+ `engine` came from sillage_engine_new() and is not freed yet; `name` is NULL or ends with a zero
+ byte.
+ */
+int32_t sillage_report(struct sillage_engine *engine, const char *name, double value);
+
+/*
+ Why the last call of this thread went wrong; "" when none did. Valid until the next call of this
+ thread that goes wrong; not to be freed.
+ */
+const char *sillage_last_error(void);
+
+/*
+ Take the particle seat of the run that the environment names, serve the coupler until the run is
+ over, and return the exit code for the process (0, or 2 to 8: protocol/README.md); -1 when the
+ arguments are not usable. Blocks. To be called once in a process, from its first thread, before
+ others are started.
+
+ # Safety
+
+ `engine` came from sillage_engine_new() and is not freed before this returns; `calls` points to
+ functions that keep what this header says; `user` is passed on untouched.
+ */
+int32_t sillage_run_particles(struct sillage_engine *engine,
+                              const struct sillage_particle_calls *calls,
+                              void *user);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* SILLAGE_ENGINE_H */

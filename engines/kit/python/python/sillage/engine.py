@@ -1,0 +1,108 @@
+"""What an engine implements, and the two functions that run it."""
+
+from dataclasses import dataclass
+
+from . import _native
+from .seat import Seat
+
+
+@dataclass(frozen=True)
+class Request:
+    """A candidate is asked for: the state at ``time + dt``, from the accepted state at ``time``."""
+
+    #: Coupling step, from 1.
+    step: int
+    #: Pass within the step; a new pass throws the last candidate away.
+    pass_: int
+    #: Start of the step [s].
+    time: float
+    #: Length of the step [s].
+    dt: float
+    #: Grains: sub-steps to use; 0 lets the engine choose.
+    sub_steps: int
+    #: Grains: relative accuracy of an inexact contact solve, of \\|g\\| dt.
+    tolerance: float
+
+
+class _Engine:
+    #: Name and version, for run.json.
+    name = "unnamed"
+    version = "0"
+    #: What the engine can do beyond the minimum: ``"affine-response"`` (fluid: uses
+    #: ``entrained_fraction`` and ``solid_mobility``), ``"implicit-drag"`` (grains: ``grain_drag`` is in
+    #: the free velocity and in the contact operator), ``"contact-state"`` (grains: ``grain_contact`` is
+    #: 2 where a wall holds a grain), ``"checkpoint"`` (``restore`` brings back the same bits),
+    #: ``"convection-as-needed"`` (``scene["convection"]`` may be ``"auto"``: left out while small).
+    capabilities = ()
+
+    def commit(self):
+        """Make the last candidate the accepted state."""
+        raise NotImplementedError
+
+    def save(self, path):
+        """Write the accepted state to the file ``path``."""
+        raise NotImplementedError(f"{self.name} writes no checkpoints")
+
+    def restore(self, path):
+        """Read the accepted state from the file ``path``, as ``save`` wrote it."""
+        raise NotImplementedError(f"{self.name} reads no checkpoints")
+
+
+class FluidEngine(_Engine):
+    """A solver that takes the fluid seat. The equations it solves are in docs/engines.md."""
+
+    def configure(self, scene):
+        """Build the mesh and the initial state; return a :class:`sillage.Mesh`.
+
+        ``scene`` is a ``dict`` with the keys of ``FluidScene`` (protocol/src/language/scene), SI units.
+        Raise :class:`sillage.SceneError` for what this engine cannot do, with the key and the value.
+        """
+        raise NotImplementedError
+
+    def advance(self, request, inputs, outputs):
+        """Compute a candidate from the accepted state, which must not change.
+
+        ``inputs`` (:class:`sillage.Fields`, n nodes): ``porosity`` [–], ``drag`` [kg/(m³ s)],
+        ``drag_source`` [N/m³, n × 2], ``entrained_fraction`` [–], ``solid_flux`` [m/s, n × 2],
+        ``solid_mobility`` [m³ s/kg]. ``outputs``: ``interstitial_velocity`` [m/s, n × 2],
+        ``pressure_gradient`` [Pa/m, n × 2], ``pressure`` [Pa]; all must be written.
+
+        Returns a ``dict`` of diagnostics (name to finite number), or ``None``. Raise
+        :class:`sillage.NotConverged` or :class:`sillage.NotFinite` where that is what happened;
+        the engine may then be asked again, with a smaller step. Any other exception ends the run.
+        """
+        raise NotImplementedError
+
+
+class ParticleEngine(_Engine):
+    """A solver that takes the particle seat: m dv/dt = m g + q − γ v + contacts."""
+
+    def configure(self, scene, grains):
+        """Take the scene's part and the initial :class:`sillage.Grains`; return those that will be
+        run, or ``None`` for the same ones. ``scene`` has the keys of ``ParticleScene``.
+        """
+        raise NotImplementedError
+
+    def advance(self, request, inputs, outputs):
+        """Compute a candidate from the accepted state, which must not change.
+
+        ``inputs`` (:class:`sillage.Fields`, g grains): ``grain_drag`` γ [kg/s, g], ``grain_force``
+        q [N, g × 2]. ``outputs``: ``grain_position`` [m, g × 2], ``grain_velocity`` at the end [m/s,
+        g × 2], ``grain_mean_velocity`` (displacement over dt, before periodic wrapping) [m/s, g × 2],
+        ``grain_contact`` (0 free, 1 touches, 2 held by a wall) [g]; all must be written.
+
+        Diagnostics and exceptions as in :meth:`FluidEngine.advance`. Must report ``sub_steps``
+        (1 where the step is not cut): the coupler models the drag over them.
+        """
+        raise NotImplementedError
+
+
+def run_fluid(engine):
+    """Serve the run named by the environment (``SILLAGE_RUN``) until it ends; returns the exit code
+    (protocol/README.md). Call it on the main thread: ``sys.exit(sillage.run_fluid(MyEngine()))``."""
+    return _native.run("fluid", Seat(engine, "fluid"))
+
+
+def run_particles(engine):
+    """The same for a particle engine."""
+    return _native.run("particles", Seat(engine, "particles"))

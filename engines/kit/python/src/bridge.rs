@@ -1,0 +1,351 @@
+//! The traits of `protocol` on top of an engine written in Python.
+//!
+//! The interpreter is held only while the engine computes. What crosses over is plain: names,
+//! numbers, JSON for the scene, bytes for arrays that the engine may keep, [`Buffer`]s for fields.
+
+use std::cell::Cell;
+use std::path::Path;
+use std::rc::Rc;
+
+use protocol::channel::Channel;
+use protocol::engine::{
+    self, FluidAnswer, FluidEngine, FluidForces, GrainAnswer, InitialGrains, MeshDescription,
+    ParticleEngine, SolidResponse,
+};
+use protocol::error::Error;
+use protocol::field::Field;
+use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind, Role};
+use protocol::scene::{FluidScene, ParticleScene};
+use pyo3::buffer::PyBuffer;
+use pyo3::prelude::*;
+use pyo3::types::{PyByteArray, PyDict};
+
+use crate::buffer::Buffer;
+use crate::failure;
+use crate::held::{Escaped, HeldLink};
+
+/// What is known of an engine before it serves; can go to another thread.
+pub struct Parts {
+    seat: Py<PyAny>,
+    identity: (&'static str, &'static str),
+    capabilities: Vec<Capability>,
+}
+
+impl Parts {
+    /// Ask `seat` (`sillage.seat.Seat`) who it is.
+    pub fn new(py: Python<'_>, seat: &Py<PyAny>) -> PyResult<Parts> {
+        let bound = seat.bind(py);
+        let text = |name: &str| -> PyResult<&'static str> {
+            // Once a process: the protocol wants names that live as long as the engine.
+            Ok(bound.getattr(name)?.extract::<String>()?.leak())
+        };
+        let names: Vec<String> = bound.getattr("capabilities")?.extract()?;
+        let capabilities = names.iter().map(|name| capability(name));
+        Ok(Parts {
+            seat: seat.clone_ref(py),
+            identity: (text("name")?, text("version")?),
+            capabilities: capabilities.collect::<PyResult<_>>()?,
+        })
+    }
+
+    /// Serve the coupler at the other end of `link` until `Finish`.
+    pub fn serve(&mut self, role: Role, link: Box<dyn Channel>) -> Result<(), Error> {
+        let escaped: Escaped = Rc::new(Cell::new(false));
+        let link = Box::new(HeldLink {
+            inner: link,
+            escaped: Rc::clone(&escaped),
+        });
+        let mut bridge = Bridge {
+            parts: self,
+            escaped,
+        };
+        match role {
+            Role::Fluid => engine::serve_fluid(&mut bridge, link),
+            Role::Particles => engine::serve_particles(&mut bridge, link),
+        }
+    }
+}
+
+fn capability(name: &str) -> PyResult<Capability> {
+    let known = [
+        ("affine-response", Capability::AffineResponse),
+        ("implicit-drag", Capability::ImplicitDrag),
+        ("contact-state", Capability::ContactState),
+        ("checkpoint", Capability::Checkpoint),
+        ("convection-as-needed", Capability::ConvectionAsNeeded),
+    ];
+    let found = known.iter().find(|(known, _)| *known == name);
+    found.map(|&(_, capability)| capability).ok_or_else(|| {
+        let names = known.map(|(name, _)| name).join(", ");
+        pyo3::exceptions::PyValueError::new_err(format!(
+            "capability {name:?} is unknown: use {names}"
+        ))
+    })
+}
+
+/// An engine that serves.
+struct Bridge<'a> {
+    parts: &'a Parts,
+    escaped: Escaped,
+}
+
+impl Bridge<'_> {
+    /// Call into Python; an exception becomes a failure, and is gone before this returns.
+    fn call<T>(
+        &self,
+        work: impl FnOnce(Python<'_>, &Bound<'_, PyAny>) -> PyResult<T>,
+    ) -> Result<T, Failure> {
+        Python::attach(|py| {
+            work(py, self.parts.seat.bind(py)).map_err(|error| failure::of_exception(py, &error))
+        })
+    }
+
+    /// One `advance`: views are given, counted, and must all be gone when it is over.
+    fn compute(
+        &self,
+        request: &Advance,
+        inputs: Vec<(Field, &[f64])>,
+        outputs: Vec<(Field, &mut [f64])>,
+    ) -> Result<Vec<Diagnostic>, Failure> {
+        if self.escaped.get() {
+            let why = "it kept a view of an earlier step; it cannot go on";
+            return Err(Failure::new(FailureKind::Engine, why));
+        }
+        let mut lent: Vec<Py<Buffer>> = Vec::new();
+        let result = self.call(|py, seat| {
+            let (given, filled) = (PyDict::new(py), PyDict::new(py));
+            for (field, values) in inputs {
+                let buffer = Py::new(py, Buffer::input(field, values))?;
+                given.set_item(field.name(), &buffer)?;
+                lent.push(buffer);
+            }
+            for (field, values) in outputs {
+                let buffer = Py::new(py, Buffer::output(field, values))?;
+                filled.set_item(field.name(), &buffer)?;
+                lent.push(buffer);
+            }
+            let numbers = (
+                request.step,
+                request.pass,
+                request.time,
+                request.dt,
+                request.sub_steps,
+                request.tolerance,
+            );
+            let diagnostics = seat.call_method1("advance", (numbers, given, filled))?;
+            let named: Vec<(String, f64)> = diagnostics.extract()?;
+            let diagnostics = named
+                .into_iter()
+                .map(|(name, value)| Diagnostic { name, value });
+            Ok(diagnostics.collect())
+        });
+        match self.take_back(&lent) {
+            Ok(()) => result,
+            Err(escape) => {
+                self.escaped.set(true);
+                Err(match result {
+                    Ok(_) => escape,
+                    Err(first) => Failure::new(
+                        FailureKind::Engine,
+                        format!("{}; it came after: {}", escape.why, first.why),
+                    ),
+                })
+            }
+        }
+    }
+
+    /// Close the buffers; an array that still looks at one is a failure that names the field.
+    fn take_back(&self, lent: &[Py<Buffer>]) -> Result<(), Failure> {
+        Python::attach(|py| {
+            lent.iter().for_each(|buffer| buffer.get().close());
+            let kept = |py: Python<'_>| -> Vec<String> {
+                let still = lent.iter().filter(|buffer| buffer.get().exports() > 0);
+                let name = |buffer: &Py<Buffer>| buffer.bind(py).getattr("name")?.extract();
+                still.map(name).filter_map(PyResult::ok).collect()
+            };
+            if kept(py).is_empty() {
+                return Ok(());
+            }
+            // Garbage that waits for the collector is not kept.
+            let _ = py.import("gc").and_then(|gc| gc.call_method0("collect"));
+            let names = kept(py);
+            if names.is_empty() {
+                return Ok(());
+            }
+            let why = format!(
+                "ViewError: an array over {} is kept beyond its step: fields belong to one advance; \
+                 keep a copy, as in `numpy.array(…)`",
+                names.join(", ")
+            );
+            Err(Failure::new(FailureKind::Engine, why))
+        })
+    }
+
+    fn commit(&self) -> Result<(), Failure> {
+        self.call(|_, seat| seat.call_method0("commit").map(drop))
+    }
+
+    fn store(&self, method: &str, path: &Path) -> Result<(), Failure> {
+        let path = path.to_string_lossy().into_owned();
+        self.call(|_, seat| seat.call_method1(method, (path,)).map(drop))
+    }
+}
+
+fn json(scene: &impl serde::Serialize) -> Result<String, Failure> {
+    serde_json::to_string(scene).map_err(|e| Failure::new(FailureKind::Engine, e.to_string()))
+}
+
+/// The numbers of a contiguous array of float64.
+fn numbers(array: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    PyBuffer::<f64>::get(array)?.to_vec(array.py())
+}
+
+fn bytes<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyByteArray> {
+    let bytes: Vec<u8> = values
+        .iter()
+        .flat_map(|value| value.to_ne_bytes())
+        .collect();
+    PyByteArray::new(py, &bytes)
+}
+
+impl FluidEngine for Bridge<'_> {
+    fn identity(&self) -> (&'static str, &'static str) {
+        self.parts.identity
+    }
+
+    fn capabilities(&self) -> Vec<Capability> {
+        self.parts.capabilities.clone()
+    }
+
+    fn configure(&mut self, scene: &FluidScene) -> Result<MeshDescription, Failure> {
+        let scene = json(scene)?;
+        self.call(|_, seat| {
+            let mesh = seat.call_method1("configure_fluid", (scene,))?;
+            let corners = numbers(&mesh.getattr("triangles")?)?;
+            let (corners, _) = corners.as_chunks::<3>();
+            let positions = numbers(&mesh.getattr("triangle_position")?)?;
+            let (positions, _) = positions.as_chunks::<6>();
+            Ok(MeshDescription {
+                node_position: numbers(&mesh.getattr("nodes")?)?,
+                triangles: corners.iter().map(|c| c.map(|node| node as u32)).collect(),
+                triangle_position: positions.to_vec(),
+                nodal_mass: numbers(&mesh.getattr("nodal_mass")?)?,
+                period: mesh.getattr("period")?.extract::<[Option<f64>; 2]>()?,
+            })
+        })
+    }
+
+    fn advance(
+        &mut self,
+        request: &Advance,
+        solid: &SolidResponse<'_>,
+        answer: FluidAnswer<'_>,
+    ) -> Result<Vec<Diagnostic>, Failure> {
+        let inputs = [
+            (Field::Porosity, solid.porosity),
+            (Field::Drag, solid.drag),
+            (Field::DragSource, solid.drag_source),
+            (Field::EntrainedFraction, solid.entrained_fraction),
+            (Field::SolidFlux, solid.solid_flux),
+            (Field::SolidMobility, solid.solid_mobility),
+        ];
+        let outputs = vec![
+            (Field::InterstitialVelocity, answer.interstitial_velocity),
+            (Field::PressureGradient, answer.pressure_gradient),
+            (Field::Pressure, answer.pressure),
+        ];
+        self.compute(request, present(&inputs), outputs)
+    }
+
+    fn commit(&mut self) -> Result<(), Failure> {
+        Bridge::commit(self)
+    }
+
+    fn save(&mut self, path: &Path) -> Result<(), Failure> {
+        self.store("save", path)
+    }
+
+    fn restore(&mut self, path: &Path) -> Result<(), Failure> {
+        self.store("restore", path)
+    }
+}
+
+fn present<'a>(inputs: &[(Field, Option<&'a [f64]>)]) -> Vec<(Field, &'a [f64])> {
+    let given = inputs.iter();
+    given
+        .filter_map(|&(field, values)| Some((field, values?)))
+        .collect()
+}
+
+impl ParticleEngine for Bridge<'_> {
+    fn identity(&self) -> (&'static str, &'static str) {
+        self.parts.identity
+    }
+
+    fn capabilities(&self) -> Vec<Capability> {
+        self.parts.capabilities.clone()
+    }
+
+    fn configure(
+        &mut self,
+        scene: &ParticleScene,
+        grains: InitialGrains,
+    ) -> Result<InitialGrains, Failure> {
+        let scene = json(scene)?;
+        self.call(|py, seat| {
+            let given = [
+                &grains.position,
+                &grains.velocity,
+                &grains.radius,
+                &grains.mass,
+                &grains.volume,
+                &grains.fixed,
+            ]
+            .map(|values| bytes(py, values));
+            let taken = seat.call_method1("configure_particles", (scene, given))?;
+            let taken: Vec<Bound<'_, PyAny>> = taken.extract()?;
+            let taken = taken.iter().map(numbers).collect::<PyResult<Vec<_>>>()?;
+            let [position, velocity, radius, mass, volume, fixed] =
+                <[Vec<f64>; 6]>::try_from(taken).unwrap_or_default();
+            Ok(InitialGrains {
+                position,
+                velocity,
+                radius,
+                mass,
+                volume,
+                fixed,
+            })
+        })
+    }
+
+    fn advance(
+        &mut self,
+        request: &Advance,
+        fluid: &FluidForces<'_>,
+        answer: GrainAnswer<'_>,
+    ) -> Result<Vec<Diagnostic>, Failure> {
+        let inputs = [
+            (Field::GrainDrag, fluid.drag),
+            (Field::GrainForce, fluid.force),
+        ];
+        let outputs = vec![
+            (Field::GrainPosition, answer.position),
+            (Field::GrainVelocity, answer.velocity),
+            (Field::GrainMeanVelocity, answer.mean_velocity),
+            (Field::GrainContact, answer.contact),
+        ];
+        self.compute(request, present(&inputs), outputs)
+    }
+
+    fn commit(&mut self) -> Result<(), Failure> {
+        Bridge::commit(self)
+    }
+
+    fn save(&mut self, path: &Path) -> Result<(), Failure> {
+        self.store("save", path)
+    }
+
+    fn restore(&mut self, path: &Path) -> Result<(), Failure> {
+        self.store("restore", path)
+    }
+}

@@ -1,0 +1,133 @@
+//! What an engine said, looked at before it is used.
+
+use crate::language::codec;
+use crate::language::engine::MeshDescription;
+use crate::language::error::Error;
+use crate::language::field::Field;
+use crate::language::header::FieldHeader;
+use crate::language::message::{Done, ToCoupler};
+
+/// The message in these bytes, its header checked.
+pub(crate) fn parse(
+    who: &str,
+    step: u64,
+    header: &FieldHeader,
+    bytes: &[u8],
+) -> Result<ToCoupler, Error> {
+    header.validate_message(who, bytes.len())?;
+    codec::decode(bytes).map_err(|e| Error::invalid(who, step, "message", e.to_string()))
+}
+
+/// The error of a message at the wrong moment.
+pub(crate) fn unexpected(who: &str, step: u64, message: &ToCoupler, expected: &str) -> Error {
+    let kind = match message {
+        ToCoupler::Hello(_) => "Hello",
+        ToCoupler::Ready(_) => "Ready",
+        ToCoupler::Done(_) => "Done",
+        ToCoupler::Stored => "Stored",
+        ToCoupler::Failed(_) => "Failed",
+        ToCoupler::Told { .. } => "Told",
+    };
+    Error::invalid(
+        who,
+        step,
+        "message",
+        format!("{kind} where {expected} was expected"),
+    )
+}
+
+/// A number of nodes, triangles or grains that memory can hold.
+pub(crate) fn count(who: &str, what: &str, value: u64) -> Result<usize, Error> {
+    const MOST: u64 = 1 << 28;
+    if value > MOST {
+        return Err(Error::invalid(
+            who,
+            0,
+            "Ready",
+            format!("{value} {what}, at most {MOST} are possible"),
+        ));
+    }
+    Ok(value as usize)
+}
+
+/// Is it the candidate asked for, with every field that is wanted?
+pub(crate) fn check_done(
+    who: &str,
+    (step, pass): (u64, u32),
+    done: &Done,
+    outputs: &[(Field, &mut Vec<f64>)],
+) -> Result<(), Error> {
+    let invalid = |why| Err(Error::invalid(who, step, "Done", why));
+    if (done.step, done.pass) != (step, pass) {
+        return invalid(format!(
+            "step {} pass {}, expected {} and {}",
+            done.step, done.pass, step, pass
+        ));
+    }
+    if let Some((missing, _)) = outputs
+        .iter()
+        .find(|(wanted, _)| !done.fields.contains(wanted))
+    {
+        return invalid(format!("it does not send {}", missing.name()));
+    }
+    for (place, field) in done.fields.iter().enumerate() {
+        if done.fields[..place].contains(field) {
+            return invalid(format!("it lists {} twice", field.name()));
+        }
+    }
+    match done.diagnostics.iter().find(|d| !d.value.is_finite()) {
+        Some(bad) => invalid(format!("the diagnostic {} is {}", bad.name, bad.value)),
+        None => Ok(()),
+    }
+}
+
+/// Node numbers of the corners, whole and within the mesh.
+pub(crate) fn corners(who: &str, nodes: usize, numbers: &[f64]) -> Result<Vec<[u32; 3]>, Error> {
+    let (triangles, _) = numbers.as_chunks::<3>();
+    let corner = |triangle: usize, number: f64| {
+        if number.fract() == 0.0 && (0.0..nodes as f64).contains(&number) {
+            return Ok(number as u32);
+        }
+        let why = format!(
+            "corner {number} of triangle {triangle}, must be a whole number from 0 to {}",
+            nodes as i64 - 1
+        );
+        Err(Error::invalid(who, 0, "triangle_nodes", why))
+    };
+    let three =
+        |(t, n): (usize, &[f64; 3])| Ok([corner(t, n[0])?, corner(t, n[1])?, corner(t, n[2])?]);
+    triangles.iter().enumerate().map(three).collect()
+}
+
+/// Can shape functions be made on it?
+pub(crate) fn check_mesh(who: &str, mesh: &MeshDescription) -> Result<(), Error> {
+    let invalid = |what: &str, why| Err(Error::invalid(who, 0, what, why));
+    if mesh.triangles.is_empty() {
+        return invalid("mesh", "it has no triangle".to_owned());
+    }
+    if let Some(period) = mesh
+        .period
+        .iter()
+        .flatten()
+        .find(|p| !(p.is_finite() && **p > 0.0))
+    {
+        return invalid("Ready", format!("a period of {period} m, must be positive"));
+    }
+    if let Some(node) = mesh.nodal_mass.iter().position(|&mass| mass <= 0.0) {
+        return invalid(
+            "nodal_mass",
+            format!("{} at node {node}, must be positive", mesh.nodal_mass[node]),
+        );
+    }
+    for (triangle, p) in mesh.triangle_position.iter().enumerate() {
+        let twice_area = (p[2] - p[0]) * (p[5] - p[1]) - (p[4] - p[0]) * (p[3] - p[1]);
+        if twice_area <= 0.0 {
+            let why = format!(
+                "triangle {triangle} has area {}, corners must be counter-clockwise",
+                0.5 * twice_area
+            );
+            return invalid("triangle_position", why);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,4 @@
+//! The coupler's side of the protocol: one engine as a [`partner`]; what it says is looked at first.
+
+mod check;
+pub mod partner;

@@ -1,0 +1,406 @@
+//! The coupler's side of a link to one engine.
+
+use std::path::Path;
+use std::time::Duration;
+
+use crate::language::codec;
+use crate::language::engine::{InitialGrains, MeshDescription};
+use crate::language::error::Error;
+use crate::language::field::{Field, MESH};
+use crate::language::header::PROTOCOL_VERSION;
+use crate::language::header::{FieldHeader, Stage, other_protocol};
+use crate::language::message::{
+    Advance, Capability, Configure, Done, Hello, Ready, Role, ToCoupler, ToEngine,
+};
+use crate::language::scene::{Convection, FluidScene, Limits, ParticleScene};
+use crate::run::runspace::RunSpace;
+use crate::transport::channel::{Channel, Wait, seconds};
+use crate::transport::exchange::{Counts, Moment, receive_grains};
+
+use super::check::{check_done, check_mesh, corners, count, parse, unexpected};
+
+/// How long an engine may take to leave after `Finish` \[s\].
+const LEAVE: Duration = Duration::from_secs(10);
+
+/// One engine, seen from the coupler. Dropping it without [`Partner::finish`] still tells the
+/// engine to leave, unless a process of the run was lost.
+pub struct Partner {
+    channel: Box<dyn Channel>,
+    hello: Hello,
+    limits: Limits,
+    counts: Counts,
+    step: u64,
+    pass: u32,
+    /// End of the step asked for last \[s\].
+    end: f64,
+    finished: bool,
+}
+
+impl std::fmt::Debug for Partner {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Partner")
+            .field("hello", &self.hello)
+            .field("step", &self.step)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Partner {
+    /// Wait for the engine of this seat to say hello; check its seat and its protocol version.
+    pub fn accept(role: Role, runspace: &RunSpace, limits: &Limits) -> Result<Partner, Error> {
+        let channel = crate::transport::ipc::open(runspace, role.coupler_end())?;
+        Partner::greet(role, channel, limits)
+    }
+
+    /// The same over any channel.
+    pub fn greet(
+        role: Role,
+        mut channel: Box<dyn Channel>,
+        limits: &Limits,
+    ) -> Result<Partner, Error> {
+        let wait = Wait::new(0, "Hello", seconds(limits.connect));
+        let (header, bytes) = channel.receive_message(wait)?;
+        let hello = match parse(role.seat(), 0, &header, &bytes)? {
+            ToCoupler::Hello(hello) => hello,
+            other => return Err(unexpected(role.seat(), 0, &other, "Hello")),
+        };
+        if hello.protocol != PROTOCOL_VERSION {
+            return Err(other_protocol(role.seat(), hello.protocol));
+        }
+        if hello.role != role {
+            let why = format!(
+                "`{}` takes the seat {}, expected {}",
+                hello.engine,
+                hello.role.seat(),
+                role.seat()
+            );
+            return Err(Error::Handshake {
+                who: role.seat().to_owned(),
+                why,
+            });
+        }
+        let limits = *limits;
+        Ok(Partner {
+            channel,
+            hello,
+            limits,
+            counts: Counts::default(),
+            step: 0,
+            pass: 0,
+            end: 0.0,
+            finished: false,
+        })
+    }
+
+    /// What the engine said about itself.
+    pub fn hello(&self) -> &Hello {
+        &self.hello
+    }
+
+    /// The link itself, for what a coupler does not do: traffic that breaks the rules, to see it
+    /// refused (`sillage conform`).
+    pub fn link(&mut self) -> &mut dyn Channel {
+        &mut *self.channel
+    }
+
+    /// Epoch of the engine's mesh or grains; 0 before `Ready`.
+    pub fn epoch(&self) -> u64 {
+        self.counts.epoch
+    }
+
+    /// Send the fluid's part of the scene; answered by the mesh. An engine that does not know
+    /// convection as needed gets it always.
+    pub fn configure_fluid(&mut self, scene: &FluidScene) -> Result<MeshDescription, Error> {
+        let mut scene = scene.clone();
+        let able = self
+            .hello()
+            .capabilities
+            .contains(&Capability::ConvectionAsNeeded);
+        if !able && scene.convection == Convection::AsNeeded {
+            scene.convection = Convection::Always;
+        }
+        self.send(&ToEngine::Configure(Configure::Fluid(Box::new(scene))))?;
+        let wait = Wait::new(0, "Ready", seconds(self.limits.configure));
+        let (epoch, nodes, triangles, period) = match self.answer(wait)? {
+            ToCoupler::Ready(Ready::Mesh {
+                epoch,
+                nodes,
+                triangles,
+                period,
+            }) => (epoch, nodes, triangles, period),
+            other => return Err(unexpected(self.seat(), 0, &other, "Ready with a mesh")),
+        };
+        let (nodes, triangles) = (
+            count(self.seat(), "nodes", nodes)?,
+            count(self.seat(), "triangles", triangles)?,
+        );
+        self.counts = Counts {
+            epoch,
+            nodes,
+            triangles,
+            grains: 0,
+        };
+        let mut fields = Vec::with_capacity(MESH.len());
+        for field in MESH {
+            fields.push(self.counts.receive_copy(
+                &mut *self.channel,
+                field,
+                Moment::at(Stage::Ready),
+                wait,
+            )?);
+        }
+        let [node_position, corner_numbers, triangle_position, nodal_mass] =
+            <[Vec<f64>; 4]>::try_from(fields).unwrap_or_default();
+        let (triangle_position, _) = triangle_position.as_chunks::<6>();
+        let mesh = MeshDescription {
+            node_position,
+            triangles: corners(self.seat(), nodes, &corner_numbers)?,
+            triangle_position: triangle_position.to_vec(),
+            nodal_mass,
+            period,
+        };
+        check_mesh(self.seat(), &mesh)?;
+        Ok(mesh)
+    }
+
+    /// Send the particles' part of the scene and the initial grains; answered by the grains that
+    /// will be run.
+    pub fn configure_particles(
+        &mut self,
+        scene: &ParticleScene,
+        grains: &InitialGrains,
+    ) -> Result<InitialGrains, Error> {
+        self.counts = Counts {
+            grains: grains.radius.len(),
+            ..Counts::default()
+        };
+        for (field, values) in grains.slices() {
+            self.counts.send(
+                &mut *self.channel,
+                field,
+                Moment::at(Stage::Configure),
+                values,
+            )?;
+        }
+        let grain_count = grains.radius.len() as u64;
+        self.send(&ToEngine::Configure(Configure::Particles {
+            scene: Box::new(scene.clone()),
+            grain_count,
+        }))?;
+        let wait = Wait::new(0, "Ready", seconds(self.limits.configure));
+        let (epoch, grain_count) = match self.answer(wait)? {
+            ToCoupler::Ready(Ready::Grains { epoch, grains }) => (epoch, grains),
+            other => return Err(unexpected(self.seat(), 0, &other, "Ready with grains")),
+        };
+        self.counts = Counts {
+            epoch,
+            grains: count(self.seat(), "grains", grain_count)?,
+            ..Counts::default()
+        };
+        receive_grains(&self.counts, &mut *self.channel, Stage::Ready, wait)
+    }
+
+    /// Compute a candidate. `request.fields` is filled here from `inputs`, which are copied into
+    /// loaned buffers; the fields of `Done` are copied into `outputs` (resized). An output that
+    /// the engine does not send is an error, one that nobody asked for is dropped.
+    pub fn advance(
+        &mut self,
+        request: &Advance,
+        inputs: &[(Field, &[f64])],
+        outputs: &mut [(Field, &mut Vec<f64>)],
+    ) -> Result<Done, Error> {
+        (self.step, self.pass) = (request.step, request.pass);
+        let given = Moment {
+            step: request.step,
+            pass: request.pass,
+            stage: Stage::Advance,
+            time: request.time,
+        };
+        for &(field, values) in inputs {
+            if let Err(error) = self.counts.send(&mut *self.channel, field, given, values) {
+                return Err(self.last_words(error));
+            }
+        }
+        let fields = inputs.iter().map(|&(field, _)| field).collect();
+        self.send(&ToEngine::Advance(Advance {
+            fields,
+            ..request.clone()
+        }))?;
+        let wait = Wait::new(request.step, "Done", seconds(self.limits.step));
+        let done = match self.answer(wait)? {
+            ToCoupler::Done(done) => done,
+            other => return Err(unexpected(self.seat(), self.step, &other, "Done")),
+        };
+        check_done(self.seat(), (self.step, self.pass), &done, outputs)?;
+        self.end = request.time + request.dt;
+        self.take(&done.fields, outputs, wait)?;
+        Ok(done)
+    }
+
+    /// Does the engine keep fields back until they are asked for?
+    pub fn may_withhold(&self) -> bool {
+        let able = &self.hello.capabilities;
+        able.contains(&Capability::FieldsOnRequest)
+    }
+
+    /// Let the engine leave these fields out of its candidates; only one that
+    /// [may](Partner::may_withhold) understands it.
+    pub fn withhold(&mut self, fields: &[Field]) -> Result<(), Error> {
+        let fields = fields.to_vec();
+        self.send(&ToEngine::Withhold { fields })
+    }
+
+    /// Ask for withheld fields of the accepted state: after a commit, before the next `advance`.
+    pub fn tell(&mut self, outputs: &mut [(Field, &mut Vec<f64>)]) -> Result<(), Error> {
+        let wanted: Vec<Field> = outputs.iter().map(|(field, _)| *field).collect();
+        self.send(&ToEngine::Tell {
+            fields: wanted.clone(),
+        })?;
+        let wait = Wait::new(self.step, "Told", seconds(self.limits.step));
+        match self.answer(wait)? {
+            ToCoupler::Told { fields } if fields == wanted => self.take(&fields, outputs, wait),
+            ToCoupler::Told { fields } => {
+                let why = format!("{fields:?}, asked for were {wanted:?}");
+                Err(Error::invalid(self.seat(), self.step, "Told", why))
+            }
+            other => Err(unexpected(self.seat(), self.step, &other, "Told")),
+        }
+    }
+
+    /// Receive the fields of a candidate; those that nobody asked for are dropped.
+    fn take(
+        &mut self,
+        fields: &[Field],
+        outputs: &mut [(Field, &mut Vec<f64>)],
+        wait: Wait<'_>,
+    ) -> Result<(), Error> {
+        let answered = Moment {
+            step: self.step,
+            pass: self.pass,
+            stage: Stage::Done,
+            time: self.end,
+        };
+        for &field in fields {
+            let received = self
+                .counts
+                .receive(&mut *self.channel, field, answered, wait)?;
+            if let Some((_, output)) = outputs.iter_mut().find(|(wanted, _)| *wanted == field) {
+                output.clear();
+                output.extend_from_slice(received.values());
+            }
+        }
+        Ok(())
+    }
+
+    /// Accept the last candidate of this step.
+    pub fn commit(&mut self, step: u64) -> Result<(), Error> {
+        self.send(&ToEngine::Commit { step })
+    }
+
+    /// Let the engine write its accepted state.
+    pub fn save(&mut self, path: &Path) -> Result<(), Error> {
+        let path = self.text(path)?;
+        self.send(&ToEngine::Save { path })?;
+        self.stored("Stored after Save")
+    }
+
+    /// Let the engine read its accepted state.
+    pub fn restore(&mut self, path: &Path) -> Result<(), Error> {
+        let path = self.text(path)?;
+        self.send(&ToEngine::Restore { path })?;
+        self.stored("Stored after Restore")
+    }
+
+    /// The run is over; returns when the engine has left.
+    pub fn finish(&mut self) -> Result<(), Error> {
+        self.finished = true;
+        if self.channel.peer_is_gone() {
+            return Ok(());
+        }
+        self.send(&ToEngine::Finish)?;
+        if self.channel.wait_for_leave(LEAVE) {
+            return Ok(());
+        }
+        Err(Wait::new(self.step, "its leave after Finish", LEAVE).passed(self.seat()))
+    }
+
+    fn seat(&self) -> &'static str {
+        self.hello.role.seat()
+    }
+
+    fn send(&mut self, message: &ToEngine) -> Result<(), Error> {
+        let bytes = codec::encode(message)
+            .map_err(|e| Error::invalid("coupler", self.step, "message", e.to_string()))?;
+        let header = FieldHeader::message(self.step, self.pass, bytes.len());
+        match self.channel.send_message(header, &bytes) {
+            Ok(true) => Ok(()),
+            Ok(false) => {
+                let who = self.channel.culprit();
+                let awaited = "a receiver of messages";
+                let lost = Wait::new(self.step, awaited, Duration::ZERO).lost(&who);
+                Err(self.last_words(lost))
+            }
+            Err(error) => Err(self.last_words(error)),
+        }
+    }
+
+    /// An engine that could not be reached may have said why before it left.
+    fn last_words(&mut self, error: Error) -> Error {
+        while let Ok(Some((header, bytes))) = self.channel.poll_message() {
+            if let Ok(ToCoupler::Failed(failure)) = parse(self.seat(), self.step, &header, &bytes) {
+                return Error::Engine {
+                    who: self.seat().to_owned(),
+                    step: self.step,
+                    failure,
+                };
+            }
+        }
+        error
+    }
+
+    fn answer(&mut self, wait: Wait<'_>) -> Result<ToCoupler, Error> {
+        let (header, bytes) = self.channel.receive_message(wait)?;
+        match parse(self.seat(), self.step, &header, &bytes)? {
+            ToCoupler::Failed(failure) => Err(Error::Engine {
+                who: self.seat().to_owned(),
+                step: self.step,
+                failure,
+            }),
+            other => Ok(other),
+        }
+    }
+
+    fn stored(&mut self, awaited: &str) -> Result<(), Error> {
+        match self.answer(Wait::new(
+            self.step,
+            awaited,
+            seconds(self.limits.configure),
+        ))? {
+            ToCoupler::Stored => Ok(()),
+            other => Err(unexpected(self.seat(), self.step, &other, awaited)),
+        }
+    }
+
+    fn text(&self, path: &Path) -> Result<String, Error> {
+        let text = path.to_str().map(str::to_owned);
+        text.ok_or_else(|| {
+            Error::invalid(
+                "coupler",
+                self.step,
+                "path",
+                format!("{} is not UTF-8", path.display()),
+            )
+        })
+    }
+}
+
+impl Drop for Partner {
+    fn drop(&mut self) {
+        // After a loss everybody ends by itself, with the exit code that says so.
+        let over = self.finished || self.channel.peer_is_gone() || self.channel.anyone_is_lost();
+        if !over && self.send(&ToEngine::Finish).is_ok() {
+            // The buffers must outlive the engine's look at them.
+            self.channel.wait_for_leave(Duration::from_secs(1));
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! The loop of an engine: message in → call → message out.
+//!
+//! Whatever the engine or the coupler does wrong is answered by `Failed`; the loop itself ends with
+//! an error only when the coupler is gone, silent for too long, or speaks another protocol. A panic
+//! of an engine is caught and answered too. A broken engine stays for a moment and answers every
+//! request with its failure, so that the coupler learns why before the engine is gone.
+
+use std::path::Path;
+use std::time::Instant;
+
+use crate::language::error::Error;
+use crate::language::field::Field;
+use crate::language::header::PROTOCOL_VERSION;
+use crate::language::header::{Stage, require_finite};
+use crate::language::message::{Advance, Capability, Done, Failure, Hello, ToCoupler, ToEngine};
+use crate::transport::channel::{Channel, Loan, Wait};
+use crate::transport::exchange::Moment;
+
+use super::session::{Cost, LAST_WORDS, Seat, Session, Trouble, Withheld, guarded, out_of_order};
+
+fn fatal(trouble: Trouble) -> Trouble {
+    match trouble {
+        Trouble::Failed(failure) => Trouble::Broken(failure),
+        other => other,
+    }
+}
+
+pub(crate) fn serve<S: Seat>(seat: &mut S, link: Box<dyn Channel>) -> Result<(), Error> {
+    let mut session = Session::new(link, S::ROLE.seat());
+    let (engine, version) = seat.identity();
+    session.say_hello(Hello {
+        role: S::ROLE,
+        engine: engine.to_owned(),
+        version: version.to_owned(),
+        protocol: PROTOCOL_VERSION,
+        process: std::process::id(),
+        capabilities: [seat.capabilities(), vec![Capability::FieldsOnRequest]].concat(),
+    })?;
+    loop {
+        let message = session.receive(session.idle)?;
+        let result = match message {
+            ToEngine::Finish => return Ok(()),
+            other => handle(seat, &mut session, other),
+        };
+        match result {
+            Ok(()) => {}
+            Err(Trouble::Link(error)) => return Err(error),
+            Err(Trouble::Failed(failure)) => {
+                tracing::warn!("step {}: {}", session.step, failure.why);
+                session.send(&ToCoupler::Failed(failure))?;
+            }
+            Err(Trouble::Broken(failure)) => return Err(last_words(&mut session, failure)),
+        }
+    }
+}
+
+/// One request; the engine's failure after anything but `Advance` is fatal.
+fn handle<S: Seat>(seat: &mut S, session: &mut Session, message: ToEngine) -> Result<(), Trouble> {
+    match message {
+        ToEngine::Configure(configure) => {
+            if session.configured {
+                return Err(out_of_order("Configure for the second time".to_owned()));
+            }
+            let ready = seat.configure(configure, session).map_err(fatal)?;
+            session.configured = true;
+            session.cost = Cost::from_now();
+            session.send(&ToCoupler::Ready(ready))?;
+        }
+        ToEngine::Advance(request) => advance(seat, session, &request)?,
+        ToEngine::Commit { step } => {
+            if session.candidate != Some(step) {
+                return Err(out_of_order(format!(
+                    "Commit of step {step} without a candidate for it"
+                )));
+            }
+            session.cost = Cost::from_now();
+            guarded(|| seat.commit()).map_err(fatal)?;
+            (session.committed, session.candidate) = (Some(step), None);
+        }
+        ToEngine::Save { path } => {
+            guarded(|| seat.save(Path::new(&path))).map_err(fatal)?;
+            session.send(&ToCoupler::Stored)?;
+        }
+        ToEngine::Restore { path } => {
+            guarded(|| seat.restore(Path::new(&path))).map_err(fatal)?;
+            (session.committed, session.candidate) = (None, None);
+            session.withheld.moment = None;
+            session.send(&ToCoupler::Stored)?;
+        }
+        ToEngine::Withhold { fields } => withhold::<S>(session, &fields)?,
+        ToEngine::Tell { fields } => tell(session, fields)?,
+        ToEngine::Finish => {}
+    }
+    Ok(())
+}
+
+fn withhold<S: Seat>(session: &mut Session, fields: &[Field]) -> Result<(), Trouble> {
+    for (place, field) in fields.iter().enumerate() {
+        if !S::ANSWER.contains(field) || fields[..place].contains(field) {
+            return Err(out_of_order(format!(
+                "Withhold of {}, which is named twice or is not of a candidate",
+                field.name()
+            )));
+        }
+    }
+    session.withheld = Withheld {
+        fields: fields.iter().map(|&field| (field, Vec::new())).collect(),
+        moment: None,
+    };
+    Ok(())
+}
+
+/// Send what was kept of the accepted state.
+fn tell(session: &mut Session, fields: Vec<Field>) -> Result<(), Trouble> {
+    let accepted = session
+        .withheld
+        .moment
+        .filter(|_| session.candidate.is_none());
+    let Some(moment) = accepted else {
+        return Err(out_of_order("Tell without an accepted step".to_owned()));
+    };
+    let kept = &session.withheld.fields;
+    for &field in &fields {
+        let Some((_, values)) = kept.iter().find(|&&(withheld, _)| withheld == field) else {
+            let why = format!("Tell of {}, which is not withheld", field.name());
+            return Err(out_of_order(why));
+        };
+        session
+            .counts
+            .send(&mut *session.channel, field, moment, values)?;
+    }
+    session.send(&ToCoupler::Told { fields })?;
+    Ok(())
+}
+
+/// Read the inputs and write the candidate in the transport's own buffers.
+fn advance<S: Seat>(seat: &mut S, session: &mut Session, request: &Advance) -> Result<(), Trouble> {
+    // All inputs are taken from their queues before anything is refused: nothing stays behind.
+    let mut received = Vec::with_capacity(request.fields.len());
+    for &field in &request.fields {
+        let wait = Wait::new(request.step, field.name(), session.connect);
+        received.push(session.channel.receive_field(field, wait)?);
+    }
+    session.check_request(request)?;
+    session.candidate = None;
+    let given = Moment {
+        step: request.step,
+        pass: request.pass,
+        stage: Stage::Advance,
+        time: request.time,
+    };
+    let mut inputs = Vec::with_capacity(received.len());
+    for (&field, input) in request.fields.iter().zip(&received) {
+        input.header().validate(
+            "coupler",
+            &session.counts.expect(field, given),
+            input.values(),
+        )?;
+        inputs.push((field, input.values()));
+    }
+    let answered = Moment {
+        stage: Stage::Done,
+        time: request.time + request.dt,
+        ..given
+    };
+    let (withheld, channel) = (&mut session.withheld, &mut *session.channel);
+    withheld.moment = None;
+    let mut fields = Vec::with_capacity(S::ANSWER.len());
+    let mut loans = Vec::with_capacity(S::ANSWER.len());
+    for &field in S::ANSWER {
+        if !withheld.has(field) {
+            let header = session.counts.expect(field, answered).header();
+            loans.push(channel.loan_field(field, header)?);
+            fields.push(field);
+        }
+    }
+    for (field, values) in &mut withheld.fields {
+        values.clear();
+        values.resize(session.counts.expect(*field, answered).count(), f64::NAN);
+    }
+    let begin = Instant::now();
+    let result = guarded(|| {
+        let mut outputs = in_order(S::ANSWER, &fields, &mut loans, &mut withheld.fields);
+        seat.advance(request, &inputs, &mut outputs)
+    });
+    session.cost.wall += begin.elapsed().as_secs_f64();
+    let mut diagnostics = result?;
+    session.cost.add_to(&mut diagnostics);
+    // What is not sent is not looked at by its receiver.
+    for (field, values) in &withheld.fields {
+        require_finite(session.who, request.step, *field, values)?;
+    }
+    for loan in loans {
+        loan.send()?;
+    }
+    withheld.moment = Some(answered);
+    session.candidate = Some(request.step);
+    let (step, pass) = (request.step, request.pass);
+    session.send(&ToCoupler::Done(Done {
+        step,
+        pass,
+        fields,
+        diagnostics,
+    }))?;
+    Ok(())
+}
+
+/// Where the engine writes each field of a candidate: into the transport, or into what is kept.
+fn in_order<'a>(
+    answer: &[Field],
+    sent: &[Field],
+    loans: &'a mut [Box<dyn Loan>],
+    kept: &'a mut [(Field, Vec<f64>)],
+) -> Vec<&'a mut [f64]> {
+    let loans = loans.iter_mut().map(|loan| loan.values());
+    let kept = kept
+        .iter_mut()
+        .map(|(field, values)| (*field, values.as_mut_slice()));
+    let mut outputs: Vec<(Field, &mut [f64])> =
+        sent.iter().copied().zip(loans).chain(kept).collect();
+    outputs.sort_by_key(|(field, _)| answer.iter().position(|own| own == field));
+    outputs.into_iter().map(|(_, values)| values).collect()
+}
+
+/// Answer everything with the failure until the coupler says Finish, leaves, or time is up.
+fn last_words(session: &mut Session, failure: Failure) -> Error {
+    let error = Error::Engine {
+        who: session.who.to_owned(),
+        step: session.step,
+        failure: failure.clone(),
+    };
+    let wait = Wait::new(session.step, "Finish", LAST_WORDS);
+    let answer = ToCoupler::Failed(failure);
+    while session.send(&answer).is_ok() {
+        loop {
+            match session.receive(wait.left()) {
+                Ok(ToEngine::Commit { .. } | ToEngine::Withhold { .. }) => {}
+                Ok(ToEngine::Finish) | Err(_) => return error,
+                Ok(_) => break,
+            }
+        }
+    }
+    error
+}

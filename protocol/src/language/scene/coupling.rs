@@ -1,0 +1,148 @@
+//! The resolved scene as the coupler gets it: both engines' parts, how they are coupled, what is put out.
+
+use serde::{Deserialize, Serialize};
+
+use crate::language::field::Field;
+use crate::language::role::Role;
+
+use super::fluid::FluidScene;
+use super::particles::ParticleScene;
+
+/// What the coupler needs to know: the resolved scene, written to the run folder as JSON.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CouplerScene {
+    /// When the run ends \[s\].
+    pub end_time: f64,
+    /// Coupling step \[s\].
+    pub coupling_step: f64,
+    /// Adaptive step, when asked for.
+    pub adaptive: Option<AdaptiveStep>,
+    /// g \[m/s²\].
+    pub gravity: [f64; 2],
+    /// The fluid engine's part; none: no fluid process.
+    pub fluid: Option<FluidScene>,
+    /// The particle engine's part; none: no particle process.
+    pub particles: Option<ParticleScene>,
+    /// No grain moves and there is no particle process: the coupler answers for them.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub grains_stay: bool,
+    /// CSV with the initial grains: x,y,radius,density,vx,vy,fixed; relative to the run folder.
+    pub grains_file: Option<String>,
+    /// Coupling scheme.
+    pub scheme: Scheme,
+    /// Drag law.
+    pub drag: DragLaw,
+    /// What a grain is.
+    pub geometry: Geometry,
+    /// Does the fluid feel the grains?
+    pub reaction: bool,
+    /// Smoothing length L of deposited fields \[m\]; 0: lumped mass. None: 2d where d/h > 0.25.
+    pub smoothing_length: Option<f64>,
+    /// Time between snapshots \[s\]; none: only the last state.
+    pub output_every: Option<f64>,
+    /// Limits on waiting for an engine.
+    pub limits: Limits,
+}
+
+impl CouplerScene {
+    /// Is there a process in this seat?
+    pub fn has_process(&self, role: Role) -> bool {
+        match role {
+            Role::Fluid => self.fluid.is_some(),
+            Role::Particles => self.particles.is_some() && !self.grains_stay,
+        }
+    }
+
+    /// Fields of this engine's candidates that are not read in every pass: pressure and, where the fluid
+    /// does not feel the grains, contact states with a state that is put out; the pressure gradient, which
+    /// only grains feel, never.
+    pub fn unread(&self, role: Role) -> &'static [Field] {
+        let felt = self.fluid.is_some() && self.reaction;
+        match role {
+            _ if !self.has_process(role) => &[],
+            Role::Fluid if self.particles.is_some() => &[Field::Pressure],
+            Role::Fluid => &[Field::Pressure, Field::PressureGradient],
+            Role::Particles if felt => &[],
+            Role::Particles => &[Field::GrainContact],
+        }
+    }
+}
+
+/// Limits on waiting, all \[s\].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Until an engine says hello.
+    pub connect: f64,
+    /// Until an engine is ready after `Configure`.
+    pub configure: f64,
+    /// Until an engine answers an `Advance`.
+    pub step: f64,
+}
+
+/// Bounds of an adaptive coupling step.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AdaptiveStep {
+    /// Smallest step \[s\]; below it the run ends.
+    pub step_min: f64,
+    /// Largest step \[s\].
+    pub step_max: f64,
+    /// Cells a grain may cross in a step.
+    pub courant: f64,
+}
+
+/// Coupling scheme.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub enum Scheme {
+    /// Exactly one pass (the paper).
+    Staggered,
+    /// Passes until the interaction defect is below `tolerance`.
+    Iterated {
+        /// Force defect over the net force scale of the grains.
+        tolerance: f64,
+        /// Passes allowed; more is an error.
+        passes_max: u32,
+    },
+    /// For comparison: the drag is implicit on either side, each with the other's velocity of the
+    /// start of the step, and the solid's flux is that of the start. Unstable where dense and stiff.
+    SemiImplicit,
+    /// For comparison: the drag is evaluated with both velocities of the start of the step. Unstable
+    /// once the step is longer than the relaxation times.
+    Explicit,
+}
+
+/// Drag law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DragLaw {
+    /// Dallavalle with φ^−1.8 (paper, eq. 5).
+    Dallavalle,
+    /// Di Felice 1994.
+    DiFelice,
+    /// Wen and Yu 1966.
+    WenYu,
+    /// Gidaspow 1994.
+    Gidaspow,
+    /// Beetstra 2007 with the polydisperse correction.
+    Beetstra,
+    /// Stokes, no hindrance.
+    Stokes,
+    /// The hindrance of MigFlow 1.4, for comparison runs.
+    Migflow,
+}
+
+/// What a grain is.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub enum Geometry {
+    /// A disk, per metre of depth: A = 2r, V = πr².
+    Disk,
+    /// A sphere in a slab of this depth: A = πr², V = 4/3 πr³.
+    Sphere {
+        /// Depth of the slab \[m\].
+        depth: f64,
+    },
+}

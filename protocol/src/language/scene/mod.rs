@@ -1,0 +1,15 @@
+//! The parts of a scene that processes receive: plain data, SI units, already validated for range.
+//! Read `fluid` with `boundary` and `convection`, `particles`, then `coupling`, the resolved
+//! scene as a whole.
+
+mod boundary;
+mod convection;
+mod coupling;
+mod fluid;
+mod particles;
+
+pub use boundary::{Boundary, Profile};
+pub use convection::Convection;
+pub use coupling::{AdaptiveStep, CouplerScene, DragLaw, Geometry, Limits, Scheme};
+pub use fluid::{Diagonals, FluidScene, MeshSource, Nonlinear, TimeScheme, ViscousForm};
+pub use particles::{ParticleScene, Wall};

@@ -1,0 +1,208 @@
+//! The coupler's end.
+
+use std::time::Duration;
+
+use crate::language::codec;
+use crate::language::engine::MeshDescription;
+use crate::language::error::Error;
+use crate::language::field::{Field, MESH};
+use crate::language::header::{FieldHeader, Stage};
+use crate::language::message::{Diagnostic, FromOrchestrator, Hello, ToOrchestrator};
+use crate::run::runspace::RunSpace;
+use crate::transport::channel::{Channel, Wait};
+use crate::transport::ends::monitor_sender_end;
+use crate::transport::exchange::{Counts, Moment};
+
+/// How long the coupler waits for the orchestrator to take a snapshot over.
+const TAKE_OVER: Duration = Duration::from_secs(120);
+/// How long the coupler waits for the last message to be read.
+const GOODBYE: Duration = Duration::from_secs(10);
+/// How long connecting may take.
+const CONNECT: Duration = Duration::from_secs(30);
+
+/// The coupler's end.
+pub struct MonitorSender {
+    channel: Box<dyn Channel>,
+    counts: Counts,
+    step: u64,
+    unanswered: bool,
+    heard: bool,
+    stop: bool,
+}
+
+impl MonitorSender {
+    /// Connect to the orchestrator; `None` when this run has none.
+    pub fn connect(runspace: &RunSpace) -> Result<Option<MonitorSender>, Error> {
+        if runspace.orchestrator().is_none() {
+            return Ok(None);
+        }
+        let channel = crate::transport::ipc::open(runspace, monitor_sender_end())?;
+        Ok(Some(MonitorSender {
+            channel,
+            counts: Counts::default(),
+            step: 0,
+            unanswered: false,
+            heard: false,
+            stop: false,
+        }))
+    }
+
+    /// Coupling begins: who takes part, the mesh and the grains' radii (empty: no grains).
+    pub fn started(
+        &mut self,
+        engines: &[Hello],
+        mesh: Option<&MeshDescription>,
+        grain_radius: &[f64],
+    ) -> Result<(), Error> {
+        let (nodes, triangles) =
+            mesh.map_or((0, 0), |mesh| (mesh.nodal_mass.len(), mesh.triangles.len()));
+        self.counts = Counts {
+            epoch: 0,
+            nodes,
+            triangles,
+            grains: grain_radius.len(),
+        };
+        self.wait_for_reader()?;
+        let moment = Moment::at(Stage::Started);
+        if let Some(mesh) = mesh {
+            let corners: Vec<f64> = mesh
+                .triangles
+                .iter()
+                .flatten()
+                .map(|&node| f64::from(node))
+                .collect();
+            let values: [&[f64]; 4] = [
+                &mesh.node_position,
+                &corners,
+                mesh.triangle_position.as_flattened(),
+                &mesh.nodal_mass,
+            ];
+            for (field, values) in MESH.into_iter().zip(values) {
+                self.counts
+                    .send(&mut *self.channel, field, moment, values)?;
+            }
+        }
+        if !grain_radius.is_empty() {
+            self.counts
+                .send(&mut *self.channel, Field::GrainRadius, moment, grain_radius)?;
+        }
+        self.send(&ToOrchestrator::Started {
+            nodes: nodes as u64,
+            triangles: triangles as u64,
+            grains: grain_radius.len() as u64,
+            engines: engines.to_vec(),
+        })?;
+        (self.unanswered, self.heard) = (true, false);
+        Ok(())
+    }
+
+    /// One accepted step.
+    pub fn step(&mut self, values: Vec<Diagnostic>) -> Result<(), Error> {
+        if !self.heard {
+            self.wait_for_answer("Started to be read", TAKE_OVER)?;
+        }
+        self.send(&ToOrchestrator::Step(values))
+    }
+
+    /// The recording ended before the run.
+    pub fn recording_ended(&mut self, why: &str) -> Result<(), Error> {
+        self.send(&ToOrchestrator::RecordingEnded(why.to_owned()))
+    }
+
+    /// Fields of the accepted state; waits until the previous snapshot was taken over.
+    pub fn snapshot(
+        &mut self,
+        step: u64,
+        time: f64,
+        fields: &[(Field, &[f64])],
+    ) -> Result<(), Error> {
+        self.step = step;
+        self.wait_for_answer("the previous snapshot to be taken over", TAKE_OVER)?;
+        let moment = Moment {
+            step,
+            pass: 0,
+            stage: Stage::Snapshot,
+            time,
+        };
+        for &(field, values) in fields {
+            self.counts
+                .send(&mut *self.channel, field, moment, values)?;
+        }
+        let fields = fields.iter().map(|&(field, _)| field).collect();
+        self.send(&ToOrchestrator::Snapshot { step, time, fields })?;
+        self.unanswered = true;
+        Ok(())
+    }
+
+    /// The run ended as asked.
+    pub fn finished(&mut self, totals: Vec<Diagnostic>) -> Result<(), Error> {
+        self.goodbye(&ToOrchestrator::Finished(totals))
+    }
+
+    /// The run ended early; totals up to here.
+    pub fn stopped(&mut self, code: i32, why: &str, totals: Vec<Diagnostic>) -> Result<(), Error> {
+        self.goodbye(&ToOrchestrator::Stopped {
+            code,
+            why: why.to_owned(),
+            totals,
+        })
+    }
+
+    /// Was a stop asked for?
+    pub fn stop_requested(&mut self) -> bool {
+        while let Ok(Some((header, bytes))) = self.channel.poll_message() {
+            if let Err(error) = self.take(&header, &bytes) {
+                tracing::warn!("{error}");
+            }
+        }
+        self.stop
+    }
+
+    fn goodbye(&mut self, message: &ToOrchestrator) -> Result<(), Error> {
+        self.wait_for_answer("the last snapshot to be taken over", TAKE_OVER)?;
+        self.send(message)?;
+        self.unanswered = true;
+        self.wait_for_answer("the last message to be read", GOODBYE)
+    }
+
+    fn wait_for_answer(&mut self, awaited: &str, limit: Duration) -> Result<(), Error> {
+        while self.unanswered {
+            let (header, bytes) = self
+                .channel
+                .receive_message(Wait::new(self.step, awaited, limit))?;
+            self.take(&header, &bytes)?;
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, header: &FieldHeader, bytes: &[u8]) -> Result<(), Error> {
+        let who = self.channel.peer();
+        header.validate_message(who, bytes.len())?;
+        match codec::decode(bytes)
+            .map_err(|e| Error::invalid(who, self.step, "message", e.to_string()))?
+        {
+            FromOrchestrator::SnapshotTaken => (self.unanswered, self.heard) = (false, true),
+            FromOrchestrator::Stop => self.stop = true,
+        }
+        Ok(())
+    }
+
+    /// The orchestrator opens its end before it starts the coupler; by hand it may come later.
+    fn wait_for_reader(&mut self) -> Result<(), Error> {
+        let wait = Wait::new(0, "its end of the monitor link", CONNECT);
+        while !self.channel.has_reader()? {
+            self.channel.idle(wait, Duration::from_millis(50))?;
+        }
+        Ok(())
+    }
+
+    fn send(&mut self, message: &ToOrchestrator) -> Result<(), Error> {
+        let bytes = codec::encode(message)
+            .map_err(|e| Error::invalid("coupler", self.step, "message", e.to_string()))?;
+        let header = FieldHeader::message(self.step, 0, bytes.len());
+        if self.channel.send_message(header, &bytes)? {
+            return Ok(());
+        }
+        Err(Wait::new(self.step, "a reader of messages", Duration::ZERO).lost(self.channel.peer()))
+    }
+}
