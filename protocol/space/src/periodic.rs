@@ -35,9 +35,66 @@ pub fn into_box<const D: usize>(
     })
 }
 
+/// Which periodic image: one number for a shift by −1, 0 or 1 period along each axis.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Image(pub u8);
+
+impl Image {
+    /// The number of a shift; the first axis weighs most, so that of no shift is 4 in the plane and
+    /// 13 in space.
+    #[inline]
+    pub fn of<const D: usize>(shift: [i8; D]) -> Image {
+        let code = shift.iter().fold(0, |code, &k| 3 * code + (k + 1) as u8);
+        Image(code)
+    }
+}
+
+/// Call `visit` for every shift by −1, 0 or 1 along the periodic axes, the last axis fastest.
+#[inline]
+pub fn each_image<const D: usize>(period: &Period<D>, mut visit: impl FnMut([i8; D])) {
+    let most = period.map(|length| i8::from(length.is_some()));
+    let mut shift = most.map(|most| -most);
+    loop {
+        visit(shift);
+        let Some(axis) = (0..D).rev().find(|&axis| shift[axis] < most[axis]) else {
+            return;
+        };
+        shift[axis] += 1;
+        for later in axis + 1..D {
+            shift[later] = -most[later];
+        }
+    }
+}
+
+/// `apart`, shifted by whole periods.
+#[inline]
+pub fn shifted<const D: usize>(apart: &Vector<D>, shift: [i8; D], period: &Period<D>) -> Vector<D> {
+    from_fn(|axis| apart[axis] + f64::from(shift[axis]) * period[axis].unwrap_or(0.0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_image_is_visited_once_in_the_order_of_its_number() {
+        let mut plane = Vec::new();
+        each_image(&[Some(1.0), Some(1.0)], |shift| {
+            plane.push(Image::of(shift))
+        });
+        assert_eq!(plane, (0..9).map(Image).collect::<Vec<_>>());
+        let mut space = Vec::new();
+        each_image(&[Some(1.0), None, Some(1.0)], |shift| space.push(shift));
+        assert_eq!(space.len(), 9);
+        assert!(space.iter().all(|shift| shift[1] == 0));
+        assert!(space.is_sorted());
+        let mut alone = 0;
+        each_image(&[None; 3], |shift| {
+            assert_eq!(Image::of(shift), Image(13));
+            alone += 1;
+        });
+        assert_eq!(alone, 1);
+    }
 
     #[test]
     fn images_are_the_nearest_and_inside() {
