@@ -8,16 +8,19 @@
 )]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use particle_solver::contact::{Margin, candidates};
-use particle_solver::delassus::{Loads, System};
-use particle_solver::neighbours::{Neighbours, Place};
-use particle_solver::nlgs::{RELAXATION, sweep};
-use particle_solver::sub_step::Stage;
-use particle_solver::walls::Walls;
-use particle_solver::{ContactEngine, Forces, Grains, Request, Segment, Setup, State};
+use particle_solver::contact::delassus::{Material, System};
+use particle_solver::contact::law::Friction;
+use particle_solver::contact::loads::Loads;
+use particle_solver::contact::pairs::{Margin, pairs};
+use particle_solver::search::neighbours::Neighbours;
+use particle_solver::search::place::Place;
+use particle_solver::solve::sweep::{RELAXATION, sweep};
+use particle_solver::walls::near::Walls;
+use particle_solver::{ContactEngine, Facet, Forces, Grains, Request, Setup, State};
+use space::Vector;
 
 /// A dense box of `count` disks, radius 0.5 (1 ± 0.2), dropped from a lattice and settled.
-fn settled(count: usize, columns: usize, friction: f64, steps: u64) -> ContactEngine {
+fn settled(count: usize, columns: usize, friction: f64, steps: u64) -> ContactEngine<2> {
     let mut seed = 12_345u64;
     let mut random = || {
         seed ^= seed << 13;
@@ -33,12 +36,14 @@ fn settled(count: usize, columns: usize, friction: f64, steps: u64) -> ContactEn
         grains.mass.push(std::f64::consts::PI * radius * radius);
         grains.fixed.push(false);
         let x = 1.22 * ((place % columns) as f64 + 0.5) + 0.02 * random();
-        position.push([x, 1.22 * ((place / columns) as f64 + 0.5)]);
+        position.push(Vector::from([x, 1.22 * ((place / columns) as f64 + 0.5)]));
     }
     let width = 1.22 * columns as f64;
-    let wall = |a, b| Segment { a, b };
+    let wall = |a: [f64; 2], b: [f64; 2]| Facet {
+        corners: [a, b].map(Vector::from),
+    };
     let setup = Setup {
-        gravity: [0.0, -9.81],
+        gravity: Vector::from([0.0, -9.81]),
         walls: vec![
             wall([0.0, 1e3], [0.0, 0.0]),
             wall([0.0, 0.0], [width, 0.0]),
@@ -52,7 +57,7 @@ fn settled(count: usize, columns: usize, friction: f64, steps: u64) -> ContactEn
         sweeps_max: 100_000,
         sub_steps_max: 100,
     };
-    let state = State::new(&grains, position, vec![[0.0; 2]; count]).expect("finite");
+    let state = State::new(&grains, position, vec![Vector::zeros(); count]).expect("finite");
     let mut engine = ContactEngine::new(setup, grains, state).expect("valid");
     for step in 1..=steps {
         engine
@@ -78,14 +83,14 @@ fn unit_costs(criterion: &mut Criterion) {
     let engine = settled(10_000, 250, 0.3, 400);
     let (grains, accepted) = (engine.grains(), engine.accepted());
     let setup = engine.setup();
-    let walls = Walls::new(&setup.walls, setup.period).expect("valid");
+    let walls = Walls::new(&setup.walls, &setup.period).expect("valid");
     let loads = Loads {
         dt: 2e-3,
         gravity: setup.gravity,
         drag: None,
         force: None,
     };
-    let free = loads.free_velocity(grains, &accepted.velocity);
+    let free = loads.free_motion(grains, accepted);
     let push: Vec<f64> = grains.radius.iter().map(|radius| 0.02 * radius).collect();
     let place = Place {
         grains,
@@ -93,13 +98,13 @@ fn unit_costs(criterion: &mut Criterion) {
         walls: &walls,
         period: setup.period,
     };
-    let find = |neighbours: &mut Neighbours| {
+    let find = |neighbours: &mut Neighbours<2>| {
         let margin = Margin {
             dt: loads.dt,
-            free_velocity: &free,
+            free_velocity: &free.velocity,
             push: &push,
         };
-        candidates(neighbours, &place, &margin)
+        pairs(neighbours, &place, &margin)
     };
     let mut group = criterion.benchmark_group("unit costs, 10000 grains");
     group.throughput(Throughput::Elements(grains.count() as u64));
@@ -112,19 +117,15 @@ fn unit_costs(criterion: &mut Criterion) {
         });
     }
     let pairs = find(&mut Neighbours::default());
-    let surface = vec![0.0; grains.count()];
     for friction in [0.0, 0.3] {
-        let stage = Stage {
-            grains,
-            walls: &walls,
-            period: setup.period,
-            friction: [friction; 2],
+        let material = Material {
+            friction: Friction {
+                grains: friction,
+                walls: friction,
+            },
             inertia_factor: 0.5,
-            tolerance: 1e-3,
-            required: 1e-3,
-            sweeps_max: 1,
         };
-        let mut system = System::assemble(&stage, &loads, &free, &surface, &pairs);
+        let mut system = System::assemble(grains, &material, &loads, &free, &pairs);
         group.throughput(Throughput::Elements(pairs.len() as u64));
         group.bench_function(format!("sweep, friction {friction}"), |bencher| {
             bencher.iter(|| sweep(&mut system, RELAXATION));

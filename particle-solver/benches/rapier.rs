@@ -8,10 +8,10 @@
 //! between the two models counts as rapier's error, overlap and remaining motion do not depend
 //! on that choice. Rows are run in turn, three times; the smallest CPU time counts.
 
-use particle_solver::detect::Grid;
-use particle_solver::vector::Vector;
-use particle_solver::{ContactEngine, Forces, Grains, Request, Segment, Setup, State};
+use particle_solver::{ContactEngine, Facet, Forces, Grains, Request, Setup, State};
 use rapier2d_f64::prelude as rapier;
+use space::grid::Grid;
+use space::{Vector, hypot};
 
 const DT: f64 = 2e-3;
 const STEPS: u64 = 100;
@@ -31,7 +31,7 @@ enum Row {
 /// What a run gives.
 struct Outcome {
     milliseconds: f64,
-    position: Vec<Vector>,
+    position: Vec<Vector<2>>,
     kinetic_energy: f64,
 }
 
@@ -96,15 +96,17 @@ fn print_row(row: &Row, outcome: &Outcome, grains: &Grains, reference: &Outcome,
     );
 }
 
-fn setup(open: bool, tolerance: f64) -> Setup {
-    let wall = |a, b| Segment { a, b };
+fn setup(open: bool, tolerance: f64) -> Setup<2> {
+    let wall = |a: [f64; 2], b: [f64; 2]| Facet {
+        corners: [a, b].map(Vector::from),
+    };
     let mut walls = vec![wall([0.0, 1e3], [0.0, 0.0]), wall([0.0, 0.0], [1e3, 0.0])];
     if !open {
-        walls[1].b = [WIDTH, 0.0];
+        walls[1] = wall([0.0, 0.0], [WIDTH, 0.0]);
         walls.push(wall([WIDTH, 0.0], [WIDTH, 1e3]));
     }
     Setup {
-        gravity: [0.0, -9.81],
+        gravity: Vector::from([0.0, -9.81]),
         walls,
         period: [None; 2],
         friction: FRICTION,
@@ -117,7 +119,7 @@ fn setup(open: bool, tolerance: f64) -> Setup {
 }
 
 /// Disks dropped from a lattice until they lie.
-fn settled() -> (Grains, State) {
+fn settled() -> (Grains, State<2>) {
     let mut seed = 12_345u64;
     let mut random = || {
         seed ^= seed << 13;
@@ -132,15 +134,15 @@ fn settled() -> (Grains, State) {
         grains.mass.push(std::f64::consts::PI * radius * radius);
         grains.fixed.push(false);
         let x = 1.22 * ((place % 40) as f64 + 0.5) + 0.02 * random();
-        position.push([x, 1.22 * ((place / 40) as f64 + 0.5)]);
+        position.push(Vector::from([x, 1.22 * ((place / 40) as f64 + 0.5)]));
     }
-    let state = State::new(&grains, position, vec![[0.0; 2]; COUNT]).expect("finite");
+    let state = State::new(&grains, position, vec![Vector::zeros(); COUNT]).expect("finite");
     let mut engine = ContactEngine::new(setup(false, 1e-2), grains.clone(), state).expect("valid");
     advance(&mut engine, 3000);
     (grains, engine.accepted().clone())
 }
 
-fn advance(engine: &mut ContactEngine, steps: u64) {
+fn advance(engine: &mut ContactEngine<2>, steps: u64) {
     for step in 1..=steps {
         let request = Request {
             step,
@@ -156,7 +158,7 @@ fn advance(engine: &mut ContactEngine, steps: u64) {
     }
 }
 
-fn ours(grains: &Grains, start: &State, open: bool, tolerance: f64) -> Outcome {
+fn ours(grains: &Grains, start: &State<2>, open: bool, tolerance: f64) -> Outcome {
     let mut engine =
         ContactEngine::new(setup(open, tolerance), grains.clone(), start.clone()).expect("valid");
     let begin = process_seconds();
@@ -173,7 +175,7 @@ fn ours(grains: &Grains, start: &State, open: bool, tolerance: f64) -> Outcome {
 
 fn theirs(
     grains: &Grains,
-    start: &State,
+    start: &State<2>,
     open: bool,
     iterations: usize,
     frequency: f64,
@@ -189,7 +191,7 @@ fn theirs(
         parameters.contact_softness = softness;
         parameters.static_contact_softness = softness;
     }
-    let mut wall = |normal: Vector, at: Vector| {
+    let mut wall = |normal: [f64; 2], at: [f64; 2]| {
         let normal = rapier::Vector::new(normal[0], normal[1]);
         let shape = rapier::SharedShape::halfspace(normal);
         let place = rapier::Vector::new(at[0], at[1]);
@@ -206,7 +208,8 @@ fn theirs(
     }
     let handles: Vec<_> = (0..COUNT)
         .map(|grain| {
-            let ([x, y], [vx, vy]) = (start.position[grain], start.velocity[grain]);
+            let [[x, y], [vx, vy]]: [[f64; 2]; 2] =
+                [start.position[grain].into(), start.velocity[grain].into()];
             let body = rapier::RigidBodyBuilder::dynamic()
                 .translation(rapier::Vector::new(x, y))
                 .linvel(rapier::Vector::new(vx, vy))
@@ -231,8 +234,8 @@ fn theirs(
     let mut end = start.clone();
     for (grain, handle) in handles.iter().enumerate() {
         let body = &world.bodies[*handle];
-        end.position[grain] = [body.translation().x, body.translation().y];
-        end.velocity[grain] = [body.linvel().x, body.linvel().y];
+        end.position[grain] = [body.translation().x, body.translation().y].into();
+        end.velocity[grain] = [body.linvel().x, body.linvel().y].into();
         end.spin[grain] = body.angvel();
     }
     let kinetic_energy = end.kinetic_energy(grains, 0.5);
@@ -244,11 +247,11 @@ fn theirs(
 }
 
 /// Mean and largest overlap over touching pairs and walls, of r = 0.5.
-fn overlap(grains: &Grains, position: &[Vector], open: bool) -> (f64, f64) {
+fn overlap(grains: &Grains, position: &[Vector<2>], open: bool) -> (f64, f64) {
     let mut overlaps = Vec::new();
-    Grid::build(position, &grains.radius, [None; 2]).for_each_pair(|i, j, apart, _| {
+    Grid::build(position, &grains.radius, &[None; 2]).for_each_pair(|i, j, apart, _| {
         let size = grains.radius[i] + grains.radius[j];
-        overlaps.push(size - apart[0].hypot(apart[1]));
+        overlaps.push(size - hypot(&apart));
     });
     for (position, radius) in position.iter().zip(&grains.radius) {
         let far = if open {

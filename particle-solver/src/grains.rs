@@ -1,8 +1,9 @@
 //! The grains: what never changes, and their state.
 
-use crate::contact::Impulses;
+use space::{Dim, Dimension, Linear, Spin, Vector, dot};
+
+use crate::contact::impulses::Impulses;
 use crate::error::Error;
-use crate::vector::Vector;
 
 /// What a grain is; one value a grain.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -46,24 +47,30 @@ impl Grains {
 
 /// Where the grains are and how they move; one value a grain.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct State {
+pub struct State<const D: usize>
+where
+    Dim<D>: Dimension<D>,
+{
     /// Centre \[m\], never wrapped across a period.
-    pub position: Vec<Vector>,
+    pub position: Vec<Vector<D>>,
     /// Velocity \[m/s\].
-    pub velocity: Vec<Vector>,
-    /// Angular velocity \[rad/s\], counter-clockwise.
-    pub spin: Vec<f64>,
+    pub velocity: Vec<Vector<D>>,
+    /// Angular velocity \[rad/s\]; in the plane counter-clockwise.
+    pub spin: Vec<Spin<D>>,
     /// Impulses of the last accepted sub-step, where the next solve starts.
-    pub impulses: Impulses,
+    pub impulses: Impulses<D>,
 }
 
-impl State {
+impl<const D: usize> State<D>
+where
+    Dim<D>: Dimension<D>,
+{
     /// A state without contact history; fixed grains get no velocity.
     pub fn new(
         grains: &Grains,
-        position: Vec<Vector>,
-        mut velocity: Vec<Vector>,
-    ) -> Result<State, Error> {
+        position: Vec<Vector<D>>,
+        mut velocity: Vec<Vector<D>>,
+    ) -> Result<State<D>, Error> {
         let count = grains.count();
         if position.len() != count || velocity.len() != count {
             return Err(Error::Setup(format!(
@@ -74,14 +81,13 @@ impl State {
         }
         for (velocity, &fixed) in velocity.iter_mut().zip(&grains.fixed) {
             if fixed {
-                *velocity = [0.0; 2];
+                *velocity = Vector::zeros();
             }
         }
-        let spin = vec![0.0; count];
         let state = State {
             position,
             velocity,
-            spin,
+            spin: vec![Spin::<D>::default(); count],
             impulses: Impulses::default(),
         };
         state.check_finite()?;
@@ -92,25 +98,12 @@ impl State {
     pub fn check_finite(&self) -> Result<(), Error> {
         for (what, values) in [("position", &self.position), ("velocity", &self.velocity)] {
             for (grain, value) in values.iter().enumerate() {
-                for component in value {
-                    if !component.is_finite() {
-                        return Err(Error::NotFinite {
-                            what,
-                            grain,
-                            value: *component,
-                        });
-                    }
-                }
+                finite(what, grain, value.iter().copied())?;
             }
         }
-        for (grain, value) in self.spin.iter().enumerate() {
-            if !value.is_finite() {
-                return Err(Error::NotFinite {
-                    what: "spin",
-                    grain,
-                    value: *value,
-                });
-            }
+        for (grain, spin) in self.spin.iter().enumerate() {
+            let components = 0..Spin::<D>::COMPONENTS;
+            finite("spin", grain, components.map(|k| spin.component(k)))?;
         }
         Ok(())
     }
@@ -120,10 +113,23 @@ impl State {
         (0..grains.count())
             .filter(|&grain| !grains.fixed[grain])
             .map(|grain| {
-                let [x, y] = self.velocity[grain];
-                let surface = grains.radius[grain] * self.spin[grain];
-                0.5 * grains.mass[grain] * (x * x + y * y + inertia_factor * surface * surface)
+                let velocity = &self.velocity[grain];
+                let surface = self.spin[grain] * grains.radius[grain];
+                let spinning = (surface * inertia_factor).dot(surface);
+                0.5 * grains.mass[grain] * (dot(velocity, velocity) + spinning)
             })
             .sum()
+    }
+}
+
+/// All components are finite, or an error.
+pub fn finite(
+    what: &'static str,
+    grain: usize,
+    mut components: impl Iterator<Item = f64>,
+) -> Result<(), Error> {
+    match components.find(|component| !component.is_finite()) {
+        Some(value) => Err(Error::NotFinite { what, grain, value }),
+        None => Ok(()),
     }
 }

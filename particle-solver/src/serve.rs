@@ -3,24 +3,26 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use protocol::configure::ParticleScene;
+use protocol::configure::{ParticleScene, Wall};
 use protocol::engine::{FluidForces, GrainAnswer, InitialGrains, ParticleEngine};
 use protocol::messages::{Advance, Capability, Diagnostic, Failure, FailureKind};
 use protocol::process::may_leave_out;
 
-use crate::candidate::{Candidate, Forces, Request};
+use space::{Vector, flat};
+
+use crate::checkpoint;
 use crate::error::Error;
 use crate::grains::{Grains, State};
 use crate::setup::Setup;
-use crate::state;
-use crate::step::ContactEngine;
-use crate::vector::Vector;
-use crate::walls::Segment;
+use crate::step::candidate::Candidate;
+use crate::step::engine::ContactEngine;
+use crate::step::request::{Forces, Request};
+use crate::walls::facet::Facet;
 
 /// The built-in particle engine.
 #[derive(Debug, Default)]
 pub struct Engine {
-    solver: Option<ContactEngine>,
+    solver: Option<ContactEngine<2>>,
     /// Searches and looks at walls up to the last accepted step.
     counted: [u64; 2],
     /// Were there candidates for a contact in some step?
@@ -53,7 +55,7 @@ impl ParticleEngine for Engine {
         let mut solver = build(scene, &grains).map_err(failure)?;
         solver.search_always(!may_leave_out());
         let grains = InitialGrains {
-            velocity: solver.accepted().velocity.as_flattened().to_vec(),
+            velocity: flat::numbers(&solver.accepted().velocity).to_vec(),
             ..grains
         };
         tracing::info!(
@@ -80,7 +82,7 @@ impl ParticleEngine for Engine {
         };
         let forces = Forces {
             drag: fluid.drag,
-            force: fluid.force,
+            force: fluid.force.map(vectors).transpose().map_err(failure)?,
         };
         let solver = self.solver.as_mut().ok_or_else(not_configured)?;
         let candidate = solver.advance(&request, &forces).map_err(failure)?;
@@ -107,18 +109,18 @@ impl ParticleEngine for Engine {
 
     fn save(&mut self, path: &Path) -> Result<(), Failure> {
         let solver = self.solver()?;
-        state::save(path, solver.grains(), solver.accepted()).map_err(failure)
+        checkpoint::save(path, solver.grains(), solver.accepted()).map_err(failure)
     }
 
     fn restore(&mut self, path: &Path) -> Result<(), Failure> {
         let solver = self.solver()?;
-        let state = state::restore(path, solver.grains()).map_err(failure)?;
+        let state = checkpoint::restore(path, solver.grains()).map_err(failure)?;
         solver.set_accepted(state).map_err(failure)
     }
 }
 
 impl Engine {
-    fn solver(&mut self) -> Result<&mut ContactEngine, Failure> {
+    fn solver(&mut self) -> Result<&mut ContactEngine<2>, Failure> {
         self.solver.as_mut().ok_or_else(not_configured)
     }
 }
@@ -140,17 +142,13 @@ fn failure(error: Error) -> Failure {
     Failure::new(kind, error.to_string())
 }
 
-fn build(scene: &ParticleScene, grains: &InitialGrains) -> Result<ContactEngine, Error> {
+fn build(scene: &ParticleScene, grains: &InitialGrains) -> Result<ContactEngine<2>, Error> {
+    let facet = |wall: &Wall| Facet {
+        corners: [wall.a, wall.b].map(Vector::from),
+    };
     let setup = Setup {
-        gravity: scene.gravity,
-        walls: scene
-            .walls
-            .iter()
-            .map(|wall| Segment {
-                a: wall.a,
-                b: wall.b,
-            })
-            .collect(),
+        gravity: Vector::from(scene.gravity),
+        walls: scene.walls.iter().map(facet).collect(),
         period: scene.period,
         friction: scene.friction,
         wall_friction: scene.wall_friction,
@@ -164,32 +162,31 @@ fn build(scene: &ParticleScene, grains: &InitialGrains) -> Result<ContactEngine,
         mass: grains.mass.clone(),
         fixed: grains.fixed.iter().map(|&fixed| fixed != 0.0).collect(),
     };
-    let state = State::new(
-        &properties,
-        pairs(&grains.position)?,
-        pairs(&grains.velocity)?,
-    )?;
+    let position = vectors(&grains.position)?.to_vec();
+    let velocity = vectors(&grains.velocity)?.to_vec();
+    let state = State::new(&properties, position, velocity)?;
     ContactEngine::new(setup, properties, state)
 }
 
 /// Vectors from interleaved components.
-fn pairs(interleaved: &[f64]) -> Result<Vec<Vector>, Error> {
-    let (pairs, rest) = interleaved.as_chunks::<2>();
-    if rest.is_empty() {
-        return Ok(pairs.to_vec());
-    }
-    Err(Error::Setup(format!(
-        "{} components of vectors, an odd number",
-        interleaved.len()
-    )))
+fn vectors<const D: usize>(interleaved: &[f64]) -> Result<&[Vector<D>], Error> {
+    flat::vectors(interleaved).ok_or_else(|| {
+        Error::Setup(format!(
+            "{} components of vectors, not {D} of each",
+            interleaved.len()
+        ))
+    })
 }
 
 /// Write a candidate into the coupler's buffers.
-fn write(candidate: &Candidate, answer: GrainAnswer<'_>) -> Result<(), Failure> {
+fn write(candidate: &Candidate<2>, answer: GrainAnswer<'_>) -> Result<(), Failure> {
     let vectors = [
-        (answer.position, candidate.state.position.as_flattened()),
-        (answer.velocity, candidate.state.velocity.as_flattened()),
-        (answer.mean_velocity, candidate.mean_velocity.as_flattened()),
+        (answer.position, flat::numbers(&candidate.state.position)),
+        (answer.velocity, flat::numbers(&candidate.state.velocity)),
+        (
+            answer.mean_velocity,
+            flat::numbers(&candidate.mean_velocity),
+        ),
     ];
     for (target, source) in vectors {
         if target.len() != source.len() {
@@ -208,7 +205,7 @@ fn write(candidate: &Candidate, answer: GrainAnswer<'_>) -> Result<(), Failure> 
     Ok(())
 }
 
-fn diagnostics(candidate: &Candidate) -> Vec<Diagnostic> {
+fn diagnostics(candidate: &Candidate<2>) -> Vec<Diagnostic> {
     let report = &candidate.report;
     vec![
         named("sub_steps", f64::from(report.sub_steps)),

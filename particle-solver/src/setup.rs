@@ -1,19 +1,23 @@
 //! What a scene tells the engine, and what it must not say.
 
+use space::{Dim, Dimension, Period, Vector};
+
+use crate::contact::delassus::Material;
+use crate::contact::law::Friction;
 use crate::error::Error;
 use crate::grains::{Grains, State};
-use crate::vector::Vector;
-use crate::walls::{Segment, Walls};
+use crate::walls::facet::Facet;
+use crate::walls::near::Walls;
 
 /// What a scene tells the engine.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Setup {
+pub struct Setup<const D: usize> {
     /// g \[m/s²\].
-    pub gravity: Vector,
-    /// Wall segments.
-    pub walls: Vec<Segment>,
-    /// Period in x and y \[m\].
-    pub period: [Option<f64>; 2],
+    pub gravity: Vector<D>,
+    /// Walls.
+    pub walls: Vec<Facet<D>>,
+    /// Period along each axis \[m\].
+    pub period: Period<D>,
     /// μ between grains.
     pub friction: f64,
     /// μ between grains and walls.
@@ -28,48 +32,65 @@ pub struct Setup {
     pub sub_steps_max: u32,
 }
 
-impl Setup {
+const AXES: [char; 3] = ['x', 'y', 'z'];
+
+impl<const D: usize> Setup<D> {
+    /// What contacts are made of.
+    pub fn material(&self) -> Material {
+        Material {
+            friction: Friction {
+                grains: self.friction,
+                walls: self.wall_friction,
+            },
+            inertia_factor: self.inertia_factor,
+        }
+    }
+
     /// Ranges of all numbers.
     pub fn check(&self) -> Result<(), Error> {
-        let finite = [
-            ("gravity x", self.gravity[0], f64::NEG_INFINITY),
-            ("gravity y", self.gravity[1], f64::NEG_INFINITY),
-            ("friction", self.friction, 0.0),
-            ("wall_friction", self.wall_friction, 0.0),
-        ];
-        for (what, value, least) in finite {
-            if !(value.is_finite() && value >= least) {
-                return Err(Error::Setup(format!(
-                    "{what} is {value}, must be finite and ≥ {least}"
-                )));
-            }
+        for (axis, &value) in self.gravity.iter().enumerate() {
+            at_least(&format!("gravity {}", AXES[axis]), value, f64::NEG_INFINITY)?;
         }
-        let positive = [
-            ("inertia_factor", Some(self.inertia_factor)),
-            ("tolerance", Some(self.tolerance)),
-            ("sweeps_max", Some(self.sweeps_max as f64)),
-            ("sub_steps_max", Some(f64::from(self.sub_steps_max))),
-            ("period x", self.period[0]),
-            ("period y", self.period[1]),
-        ];
-        for (what, value) in positive {
-            if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
-                return Err(Error::Setup(format!("{what} is {value}, must be positive")));
-            }
+        at_least("friction", self.friction, 0.0)?;
+        at_least("wall_friction", self.wall_friction, 0.0)?;
+        positive("inertia_factor", self.inertia_factor)?;
+        positive("tolerance", self.tolerance)?;
+        positive("sweeps_max", self.sweeps_max as f64)?;
+        positive("sub_steps_max", f64::from(self.sub_steps_max))?;
+        for (axis, length) in self.period.iter().enumerate() {
+            positive(&format!("period {}", AXES[axis]), length.unwrap_or(1.0))?;
         }
         Ok(())
     }
 }
 
+fn at_least(what: &str, value: f64, least: f64) -> Result<(), Error> {
+    if value.is_finite() && value >= least {
+        return Ok(());
+    }
+    let why = format!("{what} is {value}, must be finite and ≥ {least}");
+    Err(Error::Setup(why))
+}
+
+fn positive(what: &str, value: f64) -> Result<(), Error> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(Error::Setup(format!("{what} is {value}, must be positive")))
+}
+
 /// No grain wider than the period or inside a wall.
-pub fn check_places(
-    setup: &Setup,
+pub fn check_places<const D: usize>(
+    setup: &Setup<D>,
     grains: &Grains,
-    state: &State,
-    walls: &Walls,
-) -> Result<(), Error> {
+    state: &State<D>,
+    walls: &Walls<D>,
+) -> Result<(), Error>
+where
+    Dim<D>: Dimension<D>,
+{
     for grain in 0..grains.count() {
-        let (position, radius) = (state.position[grain], grains.radius[grain]);
+        let (position, radius) = (&state.position[grain], grains.radius[grain]);
         for length in setup.period.into_iter().flatten() {
             if 2.0 * radius > length {
                 return Err(Error::Setup(format!(

@@ -98,7 +98,7 @@ fn the_bounds_that_a_plan_tells_are_those_of_the_engines() {
         (
             "spare reach of a search for contacts",
             choices::SPARE,
-            particle_solver::neighbours::SPARE,
+            particle_solver::search::neighbours::SPARE,
         ),
         (
             "grain diameter over cell size up to which the transfer is lumped",

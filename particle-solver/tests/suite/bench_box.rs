@@ -1,14 +1,23 @@
 //! Builders that the tests share.
 
 use particle_solver::{
-    Candidate, ContactEngine, Error, Forces, Grains, Request, Segment, Setup, State,
+    Candidate, ContactEngine, Error, Facet, Forces, Grains, Request, Setup, State,
 };
+use space::Vector;
 use std::f64::consts::PI;
 
+/// Components of a vector.
+pub fn xy(vector: Vector<2>) -> [f64; 2] {
+    vector.into()
+}
+
+/// The engine in the plane.
+pub type Engine = ContactEngine<2>;
+
 /// No walls, no gravity, no friction; a tight tolerance.
-pub fn empty() -> Setup {
+pub fn empty() -> Setup<2> {
     Setup {
-        gravity: [0.0; 2],
+        gravity: Vector::zeros(),
         walls: Vec::new(),
         period: [None; 2],
         friction: 0.0,
@@ -21,12 +30,14 @@ pub fn empty() -> Setup {
 }
 
 /// A wall from a to b.
-pub fn wall(a: [f64; 2], b: [f64; 2]) -> Segment {
-    Segment { a, b }
+pub fn wall(a: [f64; 2], b: [f64; 2]) -> Facet<2> {
+    Facet {
+        corners: [a, b].map(Vector::from),
+    }
 }
 
 /// Floor y = 0 and walls x = 0, x = `width`, all inside facing.
-pub fn box_walls(width: f64, height: f64) -> Vec<Segment> {
+pub fn box_walls(width: f64, height: f64) -> Vec<Facet<2>> {
     vec![
         wall([0.0, height], [0.0, 0.0]),
         wall([0.0, 0.0], [width, 0.0]),
@@ -65,7 +76,7 @@ impl Disk {
 }
 
 /// An engine with these disks, those listed in `fixed` never move.
-pub fn engine_with_fixed(setup: Setup, disks: &[Disk], fixed: &[usize]) -> ContactEngine {
+pub fn engine_with_fixed(setup: Setup<2>, disks: &[Disk], fixed: &[usize]) -> Engine {
     let grains = Grains {
         radius: disks.iter().map(|disk| disk.radius).collect(),
         mass: disks.iter().map(|disk| disk.mass).collect(),
@@ -73,14 +84,20 @@ pub fn engine_with_fixed(setup: Setup, disks: &[Disk], fixed: &[usize]) -> Conta
             .map(|grain| fixed.contains(&grain))
             .collect(),
     };
-    let position = disks.iter().map(|disk| disk.position).collect();
-    let velocity = disks.iter().map(|disk| disk.velocity).collect();
+    let position = disks
+        .iter()
+        .map(|disk| Vector::from(disk.position))
+        .collect();
+    let velocity = disks
+        .iter()
+        .map(|disk| Vector::from(disk.velocity))
+        .collect();
     let state = State::new(&grains, position, velocity).expect("disks are finite");
     ContactEngine::new(setup, grains, state).expect("the setup is valid")
 }
 
 /// An engine with these disks.
-pub fn engine(setup: Setup, disks: &[Disk]) -> ContactEngine {
+pub fn engine(setup: Setup<2>, disks: &[Disk]) -> Engine {
     engine_with_fixed(setup, disks, &[])
 }
 
@@ -96,19 +113,19 @@ pub fn request(step: u64, dt: f64) -> Request {
 }
 
 /// Advance without fluid and accept; the accepted candidate.
-pub fn try_step(engine: &mut ContactEngine, request: &Request) -> Result<Candidate, Error> {
+pub fn try_step(engine: &mut Engine, request: &Request) -> Result<Candidate<2>, Error> {
     let candidate = engine.advance(request, &Forces::default())?.clone();
     engine.commit()?;
     Ok(candidate)
 }
 
 /// As `try_step`, for steps that must succeed.
-pub fn step(engine: &mut ContactEngine, request: &Request) -> Candidate {
+pub fn step(engine: &mut Engine, request: &Request) -> Candidate<2> {
     try_step(engine, request).unwrap_or_else(|error| panic!("step {}: {error}", request.step))
 }
 
 /// ½ Σ m v² + ½ I ω² of the accepted state.
-pub fn kinetic_energy(engine: &ContactEngine) -> f64 {
+pub fn kinetic_energy(engine: &Engine) -> f64 {
     engine
         .accepted()
         .kinetic_energy(engine.grains(), engine.setup().inertia_factor)

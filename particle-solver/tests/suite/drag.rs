@@ -1,7 +1,8 @@
 //! Implicit drag in the contact operator.
 
 use crate::bench_box::*;
-use particle_solver::{ContactEngine, Forces, Setup};
+use particle_solver::{Forces, Setup};
+use space::flat;
 
 /// Two disks pressed together by −10 and 30 N, drag coefficients `drag`; the two bodies and the
 /// force between them after each step against the joined body's backward Euler step.
@@ -15,7 +16,7 @@ fn pressed_pair(drag: [f64; 2], dt: f64, steps: u64) -> (f64, f64, f64, f64) {
     let force = [-10.0, 0.0, 30.0, 0.0];
     let forces = Forces {
         drag: Some(&drag),
-        force: Some(&force),
+        force: flat::vectors(&force),
     };
     let (mut joined, mut worst, mut balance) = (0.0, 0.0f64, 0.0f64);
     let (mut velocity, mut normal) = (0.0, 0.0);
@@ -28,7 +29,7 @@ fn pressed_pair(drag: [f64; 2], dt: f64, steps: u64) -> (f64, f64, f64, f64) {
             .clone();
         engine.commit().unwrap();
         velocity = candidate.state.velocity[0][0];
-        normal = candidate.active[0].force[0];
+        normal = candidate.active[0].force.normal;
         worst = worst.max(((velocity - joined) / joined).abs());
         let momentum = (velocity - before) / dt + 10.0 + drag[0] * velocity - normal;
         balance = balance.max(momentum.abs());
@@ -76,12 +77,12 @@ fn the_overdamped_contact_force_does_not_depend_on_the_step() {
 }
 
 /// A heap on a floor under drag so stiff that velocities are 1e-5 of g dt.
-fn stiff_heap(tolerance: f64, drag_over_mass: f64) -> (ContactEngine, Vec<f64>) {
+fn stiff_heap(tolerance: f64, drag_over_mass: f64) -> (Engine, Vec<f64>) {
     let disks: Vec<Disk> = (0..30)
         .map(|n| disk(0.0, 1.0 + 2.0 * n as f64, 1.0).of_mass(1.0))
         .collect();
     let setup = Setup {
-        gravity: [0.0, -9.81],
+        gravity: [0.0, -9.81].into(),
         walls: vec![wall([-5.0, 0.0], [5.0, 0.0])],
         tolerance,
         ..empty()
@@ -105,7 +106,7 @@ fn the_residual_bounds_forces_also_when_drag_makes_velocities_tiny() {
                 .active
                 .iter()
                 .find(|active| active.pair.key.second >= 30);
-            let base = floor.unwrap().force[0] / (30.0 * 9.81) - 1.0;
+            let base = floor.unwrap().force.normal / (30.0 * 9.81) - 1.0;
             let free_fall = 9.81 * dt / (1.0 + stiffness);
             let fastest = candidate
                 .state
@@ -126,7 +127,7 @@ fn the_residual_bounds_forces_also_when_drag_makes_velocities_tiny() {
 fn momentum_is_balanced_for_every_grain_of_a_pile_under_drag() {
     let disks = loose_disks(60, 6, 0.2, 11);
     let setup = Setup {
-        gravity: [0.0, -9.81],
+        gravity: [0.0, -9.81].into(),
         walls: box_walls(16.0, 60.0),
         friction: 0.3,
         wall_friction: 0.3,
@@ -139,7 +140,7 @@ fn momentum_is_balanced_for_every_grain_of_a_pile_under_drag() {
     let force: Vec<f64> = (0..2 * count).map(|n| (n as f64).sin()).collect();
     let forces = Forces {
         drag: Some(&drag),
-        force: Some(&force),
+        force: flat::vectors(&force),
     };
     let dt = 5e-3;
     let mut worst = 0.0f64;
@@ -152,7 +153,7 @@ fn momentum_is_balanced_for_every_grain_of_a_pile_under_drag() {
         let candidate = engine.advance(&tight, &forces).unwrap().clone();
         let mut left: Vec<[f64; 2]> = (0..count)
             .map(|n| {
-                let [vx, vy] = candidate.state.velocity[n];
+                let [vx, vy] = xy(candidate.state.velocity[n]);
                 let mass = engine.grains().mass[n];
                 [
                     mass * (vx - before[n][0]) / dt - force[2 * n] + drag[n] * vx,
@@ -160,13 +161,14 @@ fn momentum_is_balanced_for_every_grain_of_a_pile_under_drag() {
                 ]
             })
             .collect();
-        for (key, normal, tangential) in &candidate.state.impulses.entries {
+        for (key, impulse) in &candidate.state.impulses.entries {
             let pair = candidate
                 .active
                 .iter()
                 .find(|active| active.pair.key == *key);
             let Some(pair) = pair else { continue };
-            let [nx, ny] = pair.pair.normal;
+            let [nx, ny] = xy(pair.pair.normal);
+            let (normal, tangential) = (impulse.normal, impulse.tangential);
             let push = [
                 (normal * nx - tangential * ny) / dt,
                 (normal * ny + tangential * nx) / dt,

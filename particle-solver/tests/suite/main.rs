@@ -1,5 +1,6 @@
 //! What the contact engine promises, in one binary.
 
+mod balls;
 mod bench_box;
 mod drag;
 mod motion;

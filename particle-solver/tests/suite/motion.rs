@@ -10,7 +10,7 @@ fn slide_down(angle: f64, friction: f64, dt: f64) -> (f64, f64, f64) {
     let (sin, cos) = angle.sin_cos();
     let down = [cos, -sin];
     let setup = Setup {
-        gravity: [0.0, -G],
+        gravity: [0.0, -G].into(),
         walls: vec![wall([-50.0 * cos, 50.0 * sin], [50.0 * cos, -50.0 * sin])],
         wall_friction: friction,
         ..empty()
@@ -21,10 +21,10 @@ fn slide_down(angle: f64, friction: f64, dt: f64) -> (f64, f64, f64) {
     let mut off = 0.0f64;
     for number in 1..=steps {
         step(&mut engine, &request(number, dt));
-        let [x, y] = engine.accepted().position[0];
+        let [x, y] = xy(engine.accepted().position[0]);
         off = off.max((x * sin + y * cos - radius).abs());
     }
-    let [vx, vy] = engine.accepted().velocity[0];
+    let [vx, vy] = xy(engine.accepted().velocity[0]);
     (
         vx * down[0] + vy * down[1],
         -radius * engine.accepted().spin[0],
@@ -70,7 +70,7 @@ fn a_disk_on_a_slope_rolls_above_a_third_of_the_tangent_and_slides_below() {
 #[test]
 fn a_sliding_ball_ends_up_rolling_at_two_thirds_of_its_speed() {
     let setup = Setup {
-        gravity: [0.0, -G],
+        gravity: [0.0, -G].into(),
         walls: vec![wall([-10.0, 0.0], [10.0, 0.0])],
         wall_friction: 0.3,
         ..empty()
@@ -146,7 +146,7 @@ fn a_notch_carries_its_disk_with_the_closed_form_force() {
     for degrees in [10.0f64, 30.0, 45.0, 60.0, 80.0] {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let setup = Setup {
-            gravity: [0.0, -G],
+            gravity: [0.0, -G].into(),
             walls: vec![
                 wall([-9.0 * cos, 9.0 * sin], [0.0, 0.0]),
                 wall([0.0, 0.0], [9.0 * cos, 9.0 * sin]),
@@ -160,7 +160,7 @@ fn a_notch_carries_its_disk_with_the_closed_form_force() {
             forces = candidate
                 .active
                 .iter()
-                .map(|active| active.force[0])
+                .map(|active| active.force.normal)
                 .collect();
         }
         let exact = 2.0 * G / (2.0 * cos);
@@ -181,7 +181,7 @@ fn a_notch_carries_its_disk_with_the_closed_form_force() {
 #[test]
 fn a_column_of_a_thousand_presses_on_the_floor_with_its_weight() {
     let setup = Setup {
-        gravity: [0.0, -G],
+        gravity: [0.0, -G].into(),
         walls: vec![wall([-5.0, 0.0], [5.0, 0.0])],
         tolerance: 1e-10,
         ..empty()
@@ -202,9 +202,9 @@ fn a_column_of_a_thousand_presses_on_the_floor_with_its_weight() {
                 false => above(active.pair.key.second),
             };
             if active.pair.key.second >= 1000 {
-                base = active.force[0] / carried - 1.0;
+                base = active.force.normal / carried - 1.0;
             }
-            worst = worst.max((active.force[0] - carried).abs() / (1000.0 * G));
+            worst = worst.max((active.force.normal - carried).abs() / (1000.0 * G));
         }
         let report = candidate.report;
         println!(
@@ -224,7 +224,7 @@ fn a_ball_rolls_over_joints_of_a_floor_as_over_one_floor() {
             wall(at(n), at(n + 1))
         });
         let setup = Setup {
-            gravity: [0.0, -G],
+            gravity: [0.0, -G].into(),
             walls: floor.collect(),
             wall_friction: 0.2,
             ..empty()

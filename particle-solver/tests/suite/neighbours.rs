@@ -1,7 +1,7 @@
 //! A search for contacts that is kept, and one that is made each time, give the same bits.
 
 use crate::bench_box::*;
-use particle_solver::{ContactEngine, Forces, Request, Setup};
+use particle_solver::{Forces, Request, Setup};
 
 const DT: f64 = 1e-2;
 
@@ -16,7 +16,7 @@ fn request(step: u64, pass: u32) -> Request {
 }
 
 /// Run both ways; searches kept and always, and the step in which the first contact was active.
-fn compare(name: &str, build: impl Fn() -> ContactEngine, steps: u64) -> ([u64; 2], Option<u64>) {
+fn compare(name: &str, build: impl Fn() -> Engine, steps: u64) -> ([u64; 2], Option<u64>) {
     let (mut kept, mut always) = (build(), build());
     always.search_always(true);
     let mut first_contact = None;
@@ -36,16 +36,16 @@ fn compare(name: &str, build: impl Fn() -> ContactEngine, steps: u64) -> ([u64; 
         kept.commit().unwrap();
         always.commit().unwrap();
     }
-    let [few, all] = [&kept, &always].map(ContactEngine::searches);
+    let [few, all] = [&kept, &always].map(Engine::searches);
     println!(
         "{name:<28} {steps:>5} steps, searches {few:?} instead of {all:?}, first contact {first_contact:?}"
     );
     ([few[0], all[0]], first_contact)
 }
 
-fn falling(friction: f64, period: [Option<f64>; 2]) -> Setup {
+fn falling(friction: f64, period: [Option<f64>; 2]) -> Setup<2> {
     Setup {
-        gravity: [0.0, -9.81],
+        gravity: [0.0, -9.81].into(),
         walls: box_walls(16.0, 80.0),
         period,
         friction,

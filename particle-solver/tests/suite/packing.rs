@@ -1,7 +1,7 @@
 //! Many grains: they settle, and columns collapse as far as columns do.
 
 use crate::bench_box::*;
-use particle_solver::{ContactEngine, Forces, Request, Segment, Setup, state};
+use particle_solver::{ContactEngine, Forces, Request, Setup, checkpoint};
 
 fn choose(step: u64, dt: f64) -> Request {
     Request {
@@ -15,7 +15,7 @@ fn a_random_packing_settles_without_overlap() {
     println!("friction  time  kinetic energy  overlap   contacts  sweeps a step");
     for friction in [0.0, 0.3] {
         let setup = Setup {
-            gravity: [0.0, -9.81],
+            gravity: [0.0, -9.81].into(),
             walls: box_walls(26.0, 200.0),
             friction,
             wall_friction: friction,
@@ -52,16 +52,13 @@ fn a_random_packing_settles_without_overlap() {
 }
 
 /// A settled column `width` wide between two walls, then without the right one.
-fn column(width: f64, count: usize) -> (ContactEngine, f64, f64) {
+fn column(width: f64, count: usize) -> (Engine, f64, f64) {
     let walls = box_walls(width, 400.0);
     let mut floor = walls.clone();
-    floor[1] = Segment {
-        a: [0.0, 0.0],
-        b: [400.0, 0.0],
-    };
+    floor[1] = wall([0.0, 0.0], [400.0, 0.0]);
     let columns = (width / 2.6) as usize;
     let setup = Setup {
-        gravity: [0.0, -9.81],
+        gravity: [0.0, -9.81].into(),
         walls,
         friction: 0.5,
         wall_friction: 0.5,
@@ -133,7 +130,7 @@ fn a_dry_column_runs_out_as_far_as_columns_do() {
 #[test]
 fn two_thousand_disks_collapse_the_same_after_a_checkpoint() {
     let setup = Setup {
-        gravity: [0.0, -9.81],
+        gravity: [0.0, -9.81].into(),
         walls: box_walls(100.0, 400.0),
         friction: 0.3,
         wall_friction: 0.3,
@@ -146,10 +143,10 @@ fn two_thousand_disks_collapse_the_same_after_a_checkpoint() {
     }
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("state");
-    state::save(&file, engine.grains(), engine.accepted()).unwrap();
+    checkpoint::save(&file, engine.grains(), engine.accepted()).unwrap();
     let mut other = engine.clone();
     other
-        .set_accepted(state::restore(&file, engine.grains()).unwrap())
+        .set_accepted(checkpoint::restore(&file, engine.grains()).unwrap())
         .unwrap();
     for number in 201..=400 {
         step(&mut engine, &choose(number, 5e-3));

@@ -2,10 +2,11 @@
 
 use crate::bench_box::*;
 use particle_solver::{ContactEngine, Error, Forces, Grains, Request, Setup, State};
+use space::Vector;
 
 const G: f64 = 9.81;
 
-fn max_speed(engine: &ContactEngine) -> f64 {
+fn max_speed(engine: &Engine) -> f64 {
     engine
         .accepted()
         .velocity
@@ -76,7 +77,7 @@ fn a_corner_and_doubled_walls_hold_a_grain_like_simple_ones() {
             walls.push(wall([-1.0, 0.0], [4.0, 0.0]));
         }
         let setup = Setup {
-            gravity: [-3.0, -G],
+            gravity: [-3.0, -G].into(),
             walls,
             tolerance: 1e-10,
             ..empty()
@@ -86,8 +87,8 @@ fn a_corner_and_doubled_walls_hold_a_grain_like_simple_ones() {
         for number in 1..=50 {
             sum = [0.0; 2];
             for active in step(&mut engine, &request(number, 1e-2)).active {
-                sum[0] += active.force[0] * active.pair.normal[0];
-                sum[1] += active.force[0] * active.pair.normal[1];
+                sum[0] += active.force.normal * active.pair.normal[0];
+                sum[1] += active.force.normal * active.pair.normal[1];
             }
         }
         (sum, engine.accepted().position[0])
@@ -107,7 +108,7 @@ fn a_corner_and_doubled_walls_hold_a_grain_like_simple_ones() {
 #[test]
 fn a_grain_falls_around_the_end_of_a_plate_and_off_its_back_side() {
     let setup = Setup {
-        gravity: [0.0, -G],
+        gravity: [0.0, -G].into(),
         walls: vec![wall([-2.0, 0.0], [0.0, 0.0])],
         tolerance: 1e-10,
         ..empty()
@@ -117,7 +118,7 @@ fn a_grain_falls_around_the_end_of_a_plate_and_off_its_back_side() {
     let mut nearest = f64::INFINITY;
     for number in 1..=1500 {
         step(&mut over, &request(number, 1e-3));
-        let [x, y] = over.accepted().position[0];
+        let [x, y] = xy(over.accepted().position[0]);
         if x > 0.0 {
             nearest = nearest.min(x.hypot(y) - 0.5);
         }
@@ -146,7 +147,7 @@ fn a_radius_ratio_of_a_hundred_settles_without_overlap() {
         ));
     }
     let setup = Setup {
-        gravity: [0.0, -G],
+        gravity: [0.0, -G].into(),
         walls: box_walls(10.0, 20.0),
         friction: 0.3,
         wall_friction: 0.3,
@@ -154,7 +155,7 @@ fn a_radius_ratio_of_a_hundred_settles_without_overlap() {
         ..empty()
     };
     let mut engine = engine(setup, &disks);
-    let height = |engine: &ContactEngine| -> f64 {
+    let height = |engine: &Engine| -> f64 {
         let position = &engine.accepted().position;
         position
             .iter()
@@ -189,7 +190,7 @@ fn a_heavy_grain_on_light_ones_is_right_or_an_error_with_numbers() {
     println!("mass ratio  sweeps_max  outcome");
     for (ratio, sweeps_max) in [(1e2, 20_000), (1e4, 20_000), (1e6, 200_000), (1e6, 50)] {
         let setup = Setup {
-            gravity: [0.0, -G],
+            gravity: [0.0, -G].into(),
             walls: box_walls(8.0, 9.0),
             tolerance: 1e-3,
             sweeps_max,
@@ -259,7 +260,7 @@ fn a_pair_squeezed_by_both_of_its_images_stops() {
     // Period 4 + 0.1: two disks of diameter 2 have 0.1 of free path in all.
     let setup = Setup {
         period: [Some(4.1), None],
-        gravity: [0.0, 0.0],
+        gravity: [0.0, 0.0].into(),
         ..empty()
     };
     let disks = [
@@ -274,7 +275,7 @@ fn a_pair_squeezed_by_both_of_its_images_stops() {
     println!("distance {apart}");
     assert!((apart - 2.0).abs() < 1e-9);
     // Pushed around a closed ring by one force, the chain moves as one.
-    let force = [1.0, 0.0, 0.0, 0.0];
+    let force = [[1.0, 0.0], [0.0, 0.0]].map(Vector::from);
     let forces = Forces {
         drag: None,
         force: Some(&force),
@@ -336,7 +337,7 @@ fn a_grain_that_passes_another_is_not_stopped_by_its_tangent_line() {
             },
         )
         .report;
-        let velocity = engine.accepted().velocity[1];
+        let velocity = xy(engine.accepted().velocity[1]);
         println!("{miss:5}     {:3}        {velocity:?}", report.sub_steps);
         assert_eq!(velocity, [10.0, 0.0]);
         assert_eq!(report.contacts, 0);
@@ -352,7 +353,7 @@ fn a_dilute_cloud_costs_no_sweeps() {
     }
     let mut engine = engine(
         Setup {
-            gravity: [0.0, -G],
+            gravity: [0.0, -G].into(),
             ..empty()
         },
         &disks,
@@ -400,7 +401,8 @@ fn unusable_input_is_refused_with_its_place() {
         mass: vec![1.0],
         fixed: vec![false],
     };
-    let at = |x: f64, y: f64| State::new(&grains, vec![[x, y]], vec![[0.0; 2]]);
+    let at =
+        |x: f64, y: f64| State::new(&grains, vec![Vector::from([x, y])], vec![Vector::zeros()]);
     let floor = || Setup {
         walls: vec![wall([-5.0, 0.0], [5.0, 0.0])],
         ..empty()
@@ -466,7 +468,7 @@ fn unusable_input_is_refused_with_its_place() {
 #[test]
 fn no_grains_and_only_fixed_grains_are_scenes_too() {
     let setup = Setup {
-        gravity: [0.0, -G],
+        gravity: [0.0, -G].into(),
         walls: box_walls(4.0, 4.0),
         ..empty()
     };
@@ -496,7 +498,7 @@ fn no_grains_and_only_fixed_grains_are_scenes_too() {
 #[test]
 fn a_grain_rests_on_a_fixed_one_and_a_given_number_of_sub_steps_is_used() {
     let setup = Setup {
-        gravity: [0.0, -G],
+        gravity: [0.0, -G].into(),
         tolerance: 1e-10,
         ..empty()
     };
@@ -517,6 +519,6 @@ fn a_grain_rests_on_a_fixed_one_and_a_given_number_of_sub_steps_is_used() {
         (candidate.report.sub_steps, candidate.contact),
         (7, vec![2, 2])
     );
-    assert!((candidate.active[0].force[0] - 3.0 * G).abs() < 1e-7);
-    assert_eq!(candidate.mean_velocity[0], [0.0, 0.0]);
+    assert!((candidate.active[0].force.normal - 3.0 * G).abs() < 1e-7);
+    assert_eq!(xy(candidate.mean_velocity[0]), [0.0, 0.0]);
 }

@@ -1,11 +1,12 @@
 //! Same input, same bits.
 
 use crate::bench_box::*;
-use particle_solver::{ContactEngine, Forces, Request, Setup, state};
+use particle_solver::{Forces, Request, Setup, checkpoint};
+use space::flat;
 
-fn heap() -> ContactEngine {
+fn heap() -> Engine {
     let setup = Setup {
-        gravity: [0.0, -9.81],
+        gravity: [0.0, -9.81].into(),
         walls: box_walls(16.0, 80.0),
         friction: 0.3,
         wall_friction: 0.2,
@@ -42,7 +43,7 @@ fn a_second_identical_advance_gives_the_same_bits_in_every_pass() {
     for pass in 0..3u32 {
         let forces = Forces {
             drag: None,
-            force: Some(&forces[pass as usize]),
+            force: flat::vectors(&forces[pass as usize]),
         };
         let first = engine
             .advance(&free_request(151, pass), &forces)
@@ -61,7 +62,7 @@ fn a_second_identical_advance_gives_the_same_bits_in_every_pass() {
     }
     let again = Forces {
         drag: None,
-        force: Some(&forces[0]),
+        force: flat::vectors(&forces[0]),
     };
     let pass_0 = engine
         .advance(&free_request(151, 0), &again)
@@ -74,7 +75,7 @@ fn a_second_identical_advance_gives_the_same_bits_in_every_pass() {
     assert_eq!(pass_0, fresh);
 }
 
-fn heap_at_150() -> ContactEngine {
+fn heap_at_150() -> Engine {
     let mut engine = heap();
     for number in 1..=150 {
         step(&mut engine, &free_request(number, 0));
@@ -109,10 +110,10 @@ fn a_restored_engine_goes_on_with_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("grains.state");
     let mut engine = heap_at_150();
-    state::save(&file, engine.grains(), engine.accepted()).unwrap();
+    checkpoint::save(&file, engine.grains(), engine.accepted()).unwrap();
     let mut other = heap();
     other
-        .set_accepted(state::restore(&file, other.grains()).unwrap())
+        .set_accepted(checkpoint::restore(&file, other.grains()).unwrap())
         .unwrap();
     assert_eq!(engine.accepted(), other.accepted());
     for number in 151..=170 {
@@ -131,7 +132,7 @@ fn a_damaged_checkpoint_is_refused_with_its_reason() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("grains.state");
     let engine = heap_at_150();
-    state::save(&file, engine.grains(), engine.accepted()).unwrap();
+    checkpoint::save(&file, engine.grains(), engine.accepted()).unwrap();
     let good = std::fs::read(&file).unwrap();
     let mut flipped = good.clone();
     flipped[good.len() / 2] ^= 4;
@@ -142,7 +143,7 @@ fn a_damaged_checkpoint_is_refused_with_its_reason() {
     let mut grown = good.clone();
     grown.extend([0; 25]);
     let mut counted = good.clone();
-    counted[20..28].copy_from_slice(&u64::MAX.to_le_bytes());
+    counted[24..32].copy_from_slice(&u64::MAX.to_le_bytes());
     let cases: [(&str, &[u8]); 7] = [
         ("header promises", &good[..good.len() - 3]),
         ("too short", &good[..10]),
@@ -154,7 +155,7 @@ fn a_damaged_checkpoint_is_refused_with_its_reason() {
     ];
     for (reason, bytes) in cases {
         std::fs::write(&file, bytes).unwrap();
-        let error = state::restore(&file, engine.grains())
+        let error = checkpoint::restore::<2>(&file, engine.grains())
             .unwrap_err()
             .to_string();
         println!("{error}");
@@ -162,7 +163,7 @@ fn a_damaged_checkpoint_is_refused_with_its_reason() {
     }
     std::fs::remove_file(&file).unwrap();
     assert!(
-        state::restore(&file, engine.grains())
+        checkpoint::restore::<2>(&file, engine.grains())
             .unwrap_err()
             .to_string()
             .contains("read")

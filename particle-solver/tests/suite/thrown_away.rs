@@ -1,20 +1,21 @@
 //! Nothing of a candidate that was thrown away is left: the next one has the bits of a fresh engine.
 
 use crate::bench_box::*;
-use particle_solver::{Candidate, ContactEngine, Error, Forces, Request, Setup, state};
+use particle_solver::{Candidate, Error, Forces, Request, Setup, checkpoint};
+use space::flat;
 
 const GRAINS: usize = 60;
 const WIDTH: f64 = 16.0;
 const SMALL: f64 = 4e-3;
 
 /// Grains with friction that rain on a floor, between walls or in a period.
-fn rain(period: Option<f64>, friction: f64) -> ContactEngine {
+fn rain(period: Option<f64>, friction: f64) -> Engine {
     let walls = match period {
         Some(_) => vec![wall([-20.0, 0.0], [40.0, 0.0])],
         None => box_walls(WIDTH, 80.0),
     };
     let setup = Setup {
-        gravity: [1.0, -9.81],
+        gravity: [1.0, -9.81].into(),
         walls,
         period: [period, None],
         friction,
@@ -42,22 +43,22 @@ fn forces(of: f64) -> Vec<f64> {
     (0..2 * GRAINS).map(one).collect()
 }
 
-fn advance(engine: &mut ContactEngine, request: &Request, of: f64) -> Result<Candidate, Error> {
+fn advance(engine: &mut Engine, request: &Request, of: f64) -> Result<Candidate<2>, Error> {
     let (force, drag) = (forces(of), vec![of.abs(); GRAINS]);
     let forces = Forces {
         drag: Some(&drag),
-        force: Some(&force),
+        force: flat::vectors(&force),
     };
     engine.advance(request, &forces).cloned()
 }
 
 /// Another engine of the same accepted state, as another process would have it.
-fn fresh(engine: &ContactEngine, build: impl Fn() -> ContactEngine) -> ContactEngine {
+fn fresh(engine: &Engine, build: impl Fn() -> Engine) -> Engine {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("grains.state");
-    state::save(&file, engine.grains(), engine.accepted()).unwrap();
+    checkpoint::save(&file, engine.grains(), engine.accepted()).unwrap();
     let mut other = build();
-    let restored = state::restore(&file, other.grains()).unwrap();
+    let restored = checkpoint::restore(&file, other.grains()).unwrap();
     other.set_accepted(restored).unwrap();
     other
 }

@@ -13,9 +13,13 @@
 //! step cheaper. Projected gradients (diagonally scaled) as a third phase gave 810 and 4. Gradients
 //! first, in long phases, and over-relaxed phases restarted from the best each failed at a step.
 
-use crate::accelerate::MomentumSweeps;
-use crate::delassus::{Residual, System};
-use crate::nlgs::{RELAXATION, sweep};
+use space::{Dim, Dimension};
+
+use crate::contact::delassus::System;
+use crate::contact::law::Local;
+use crate::contact::residual::Residual;
+use crate::solve::momentum::MomentumSweeps;
+use crate::solve::sweep::{RELAXATION, sweep};
 
 /// Sweeps without relaxation at the start.
 const PLAIN_SWEEPS: usize = 2;
@@ -42,13 +46,16 @@ pub struct Outcome {
 }
 
 /// The running solve: what was best, and what is allowed.
-struct Run<'a> {
-    system: &'a mut System,
+struct Run<'a, const D: usize>
+where
+    Dim<D>: Dimension<D>,
+{
+    system: &'a mut System<D>,
     goal: Goal,
     sweeps_max: usize,
     sweeps: usize,
     best: Residual,
-    best_impulses: Vec<[f64; 2]>,
+    best_impulses: Vec<Local<D>>,
 }
 
 /// When a solve may stop.
@@ -61,65 +68,81 @@ pub struct Goal {
 }
 
 /// Solve the contact problem, starting from `warm` impulses.
-pub fn solve(system: &mut System, warm: &[[f64; 2]], goal: Goal, sweeps_max: usize) -> Outcome {
-    let cold = system.residual();
+pub fn solve<const D: usize>(
+    system: &mut System<D>,
+    warm: &[Local<D>],
+    goal: Goal,
+    sweeps_max: usize,
+) -> Outcome
+where
+    Dim<D>: Dimension<D>,
+{
     let mut run = Run {
         best_impulses: system.impulses(),
-        best: cold,
+        best: system.residual(),
         system,
         goal,
         sweeps_max,
         sweeps: 0,
     };
-    if cold.within(goal.wished) {
+    if run.best.within(goal.wished) {
         return run.finish();
     }
-    if warm.iter().any(|impulse| impulse[0] > 0.0) {
-        run.system.set_impulses(warm);
-        if !run.note() {
-            run.restore();
-        }
-    }
-    if run.is_enough() {
-        return run.finish();
-    }
-    run.sweep_plainly();
-    let mut phase = if run.system.has_friction() {
-        PHASE_SWEEPS
-    } else {
-        usize::MAX
-    };
-    while !run.is_enough() && run.sweeps < sweeps_max {
-        run.sweep_with_momentum(phase);
-        if !run.is_enough() {
-            run.iterate(phase, |system, _| {
-                sweep(system, UNDER_RELAXATION);
-            });
-        }
-        phase = phase.saturating_mul(2);
+    run.start_from(warm);
+    if !run.is_enough() {
+        run.sweep_plainly();
+        run.sweep_in_phases();
     }
     run.finish()
 }
 
-impl Run<'_> {
+impl<const D: usize> Run<'_, D>
+where
+    Dim<D>: Dimension<D>,
+{
+    /// Remembered impulses, when they leave less than none.
+    fn start_from(&mut self, warm: &[Local<D>]) {
+        if warm.iter().any(|impulse| impulse.normal > 0.0) {
+            self.system.set_impulses(warm);
+            if !self.keep_if_best() {
+                self.restore();
+            }
+        }
+    }
+
+    /// Momentum sweeps, with friction in turn with under-relaxed ones.
+    fn sweep_in_phases(&mut self) {
+        let mut phase = if self.system.has_friction() {
+            PHASE_SWEEPS
+        } else {
+            usize::MAX
+        };
+        while !self.is_enough() && self.sweeps < self.sweeps_max {
+            self.sweep_with_momentum(phase);
+            if !self.is_enough() {
+                self.iterate(phase, |system, _| {
+                    sweep(system, UNDER_RELAXATION);
+                });
+            }
+            phase = phase.saturating_mul(2);
+        }
+    }
+
     fn is_enough(&self) -> bool {
         let gives_up = self.sweeps >= WISH_SWEEPS && self.best.within(self.goal.required);
         gives_up || self.best.within(self.goal.wished)
     }
 
-    /// Residual now; keeps the impulses when they are the best so far.
-    fn note(&mut self) -> bool {
+    /// Keeps the impulses when their residual is the best so far; was it?
+    fn keep_if_best(&mut self) -> bool {
         let residual = self.system.residual();
         let better = residual.size() < self.best.size();
         if better {
             self.best = residual;
             self.best_impulses.clear();
-            let impulses = self
-                .system
-                .contacts
-                .iter()
-                .map(|c| [c.normal_impulse, c.tangential_impulse]);
-            self.best_impulses.extend(impulses);
+            let contacts = self.system.contacts.iter();
+            self.best_impulses
+                .extend(contacts.map(|contact| contact.impulse));
         }
         better
     }
@@ -131,14 +154,14 @@ impl Run<'_> {
     }
 
     /// Iterate up to `limit` times, looking at the residual after 1, 2, 3, 4, 6, 8, 11, … .
-    fn iterate(&mut self, limit: usize, mut once: impl FnMut(&mut System, usize)) {
+    fn iterate(&mut self, limit: usize, mut once: impl FnMut(&mut System<D>, usize)) {
         let limit = limit.min(self.sweeps_max.saturating_sub(self.sweeps));
         let mut look = 1;
         for done in 1..=limit {
             once(self.system, done);
             self.sweeps += 1;
             if done == look || done == limit {
-                self.note();
+                self.keep_if_best();
                 if self.is_enough() {
                     return;
                 }

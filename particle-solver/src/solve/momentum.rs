@@ -8,8 +8,11 @@
 //!   t⁺ = ½(1 + √(1 + 4t²)),   R̂ = Π(R + (t − 1)/t⁺ (R − R_previous))                      (A1)
 //! ```
 
-use crate::delassus::{System, push};
-use crate::nlgs::sweep;
+use space::{Dim, Dimension};
+
+use crate::contact::delassus::{System, push};
+use crate::contact::law::Local;
+use crate::solve::sweep::sweep;
 
 /// Momentum of (A1).
 #[derive(Debug)]
@@ -29,15 +32,21 @@ impl Momentum {
 
 /// Gauss–Seidel sweeps with momentum; restarts when a sweep changes more than the one before.
 #[derive(Debug)]
-pub struct MomentumSweeps {
+pub struct MomentumSweeps<const D: usize>
+where
+    Dim<D>: Dimension<D>,
+{
     momentum: Momentum,
-    previous: Vec<[f64; 2]>,
+    previous: Vec<Local<D>>,
     last_change: f64,
 }
 
-impl MomentumSweeps {
+impl<const D: usize> MomentumSweeps<D>
+where
+    Dim<D>: Dimension<D>,
+{
     /// Start from the present impulses.
-    pub fn new(system: &System) -> MomentumSweeps {
+    pub fn new(system: &System<D>) -> MomentumSweeps<D> {
         let momentum = Momentum { t: 1.0 };
         MomentumSweeps {
             momentum,
@@ -47,7 +56,7 @@ impl MomentumSweeps {
     }
 
     /// One sweep and the extrapolation after it.
-    pub fn iterate(&mut self, system: &mut System) {
+    pub fn iterate(&mut self, system: &mut System<D>) {
         let change = sweep(system, 1.0);
         if change > self.last_change {
             self.momentum.t = 1.0;
@@ -55,37 +64,41 @@ impl MomentumSweeps {
         self.last_change = change;
         let coefficient = self.momentum.next();
         for place in 0..system.contacts.len() {
-            let contact = &system.contacts[place];
-            let swept = [contact.normal_impulse, contact.tangential_impulse];
-            let target = extrapolate(swept, self.previous[place], coefficient);
+            let swept = system.contacts[place].impulse;
+            let target = extrapolate(&swept, &self.previous[place], coefficient);
             self.previous[place] = swept;
-            assign(system, place, target);
+            assign(system, place, &target);
         }
     }
 }
 
 /// R + c (R − R_previous).
-fn extrapolate(now: [f64; 2], previous: [f64; 2], coefficient: f64) -> [f64; 2] {
-    [
-        now[0] + coefficient * (now[0] - previous[0]),
-        now[1] + coefficient * (now[1] - previous[1]),
-    ]
+#[inline]
+fn extrapolate<const D: usize>(now: &Local<D>, previous: &Local<D>, coefficient: f64) -> Local<D>
+where
+    Dim<D>: Dimension<D>,
+{
+    let step = now.minus(previous).times(coefficient);
+    Local {
+        normal: now.normal + step.normal,
+        tangential: now.tangential + step.tangential,
+    }
 }
 
 /// Give a contact the projection of these impulses, and the velocities their change.
-fn assign(system: &mut System, place: usize, target: [f64; 2]) {
-    let limit = system.friction_of(&system.contacts[place]);
+#[inline]
+fn assign<const D: usize>(system: &mut System<D>, place: usize, target: &Local<D>)
+where
+    Dim<D>: Dimension<D>,
+{
+    let friction = system.friction_of(&system.contacts[place]);
     let contact = &mut system.contacts[place];
-    let normal = target[0].max(0.0);
-    let tangential = target[1].min(limit * normal).max(-limit * normal);
-    let change = [
-        normal - contact.normal_impulse,
-        tangential - contact.tangential_impulse,
-    ];
-    if change != [0.0; 2] {
-        contact.normal_impulse = normal;
-        contact.tangential_impulse = tangential;
-        let contact = *contact;
-        push(&mut system.bodies, &contact, change);
+    let normal = target.normal.max(0.0);
+    let tangential = Dim::<D>::limited(target.tangential, friction * normal);
+    let projected = Local { normal, tangential };
+    let change = projected.minus(&contact.impulse);
+    if change != Local::default() {
+        contact.impulse = projected;
+        push(&mut system.bodies, contact, &change);
     }
 }

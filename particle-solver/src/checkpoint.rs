@@ -1,0 +1,236 @@
+//! Checkpoint files: the accepted state, bit by bit.
+//!
+//! ```text
+//!   "SILLGRN\0"  version u32  dimension D u32  grains u64  contacts u64   header
+//!   radius, mass (f64), fixed (u8) of each grain                          whose state it is
+//!   x (D f64), v (D f64), ω (1 f64; in space 3) of each grain             the state
+//!   δt (f64); first, second (u32), image (u8), R_n (f64), R_t (1 f64; in space 3) of each contact
+//!   FNV-1a of all before (u64)                                            all little-endian
+//! ```
+//!
+//! Version 1 had no dimension: it is of the plane.
+
+use std::fs;
+use std::path::Path;
+
+use space::periodic::Image;
+use space::vector::from_fn;
+use space::{Dim, Dimension, Linear, Spin, Tangent};
+
+use crate::contact::impulses::{Impulses, Key};
+use crate::contact::law::Local;
+use crate::error::Error;
+use crate::grains::{Grains, State};
+
+const MAGIC: [u8; 8] = *b"SILLGRN\0";
+const VERSION: u32 = 2;
+/// Bytes of what a grain is.
+const PROPERTIES: usize = 8 + 8 + 1;
+/// Bytes of the key of a contact.
+const KEY: usize = 4 + 4 + 1;
+
+/// Write the state; the file appears complete or not at all.
+pub fn save<const D: usize>(path: &Path, grains: &Grains, state: &State<D>) -> Result<(), Error>
+where
+    Dim<D>: Dimension<D>,
+{
+    let bytes = encode(grains, state);
+    let failed = |error: std::io::Error| broken(path, format!("cannot be written: {error}"));
+    let mut partial = path.as_os_str().to_owned();
+    partial.push(".part");
+    fs::write(&partial, bytes).map_err(failed)?;
+    fs::rename(&partial, path).map_err(failed)
+}
+
+/// Read a state of these grains.
+pub fn restore<const D: usize>(path: &Path, grains: &Grains) -> Result<State<D>, Error>
+where
+    Dim<D>: Dimension<D>,
+{
+    let bytes = fs::read(path).map_err(|error| broken(path, format!("cannot be read: {error}")))?;
+    decode(&bytes, grains).map_err(|why| broken(path, why))
+}
+
+fn broken(path: &Path, why: String) -> Error {
+    Error::Checkpoint {
+        path: path.to_owned(),
+        why,
+    }
+}
+
+/// Bytes of the state of a grain, and of a contact.
+fn sizes<const D: usize>() -> [usize; 2]
+where
+    Dim<D>: Dimension<D>,
+{
+    let grain = PROPERTIES + 8 * (2 * D + <Spin<D> as Linear>::COMPONENTS);
+    [grain, KEY + 8 * (1 + <Tangent<D> as Linear>::COMPONENTS)]
+}
+
+fn encode<const D: usize>(grains: &Grains, state: &State<D>) -> Vec<u8>
+where
+    Dim<D>: Dimension<D>,
+{
+    let entries = &state.impulses.entries;
+    let mut bytes = Vec::new();
+    bytes.extend(MAGIC);
+    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend((D as u32).to_le_bytes());
+    bytes.extend((grains.count() as u64).to_le_bytes());
+    bytes.extend((entries.len() as u64).to_le_bytes());
+    for grain in 0..grains.count() {
+        put(&mut bytes, [grains.radius[grain], grains.mass[grain]]);
+        bytes.push(u8::from(grains.fixed[grain]));
+    }
+    for grain in 0..grains.count() {
+        put(&mut bytes, state.position[grain].iter().copied());
+        put(&mut bytes, state.velocity[grain].iter().copied());
+        put(&mut bytes, components(&state.spin[grain]));
+    }
+    put(&mut bytes, [state.impulses.dt]);
+    for (key, impulse) in entries {
+        bytes.extend(key.first.to_le_bytes());
+        bytes.extend(key.second.to_le_bytes());
+        bytes.push(key.image.0);
+        put(&mut bytes, [impulse.normal]);
+        put(&mut bytes, components(&impulse.tangential));
+    }
+    let check = checksum(&bytes);
+    bytes.extend(check.to_le_bytes());
+    bytes
+}
+
+fn put(bytes: &mut Vec<u8>, numbers: impl IntoIterator<Item = f64>) {
+    for number in numbers {
+        bytes.extend(number.to_le_bytes());
+    }
+}
+
+fn components<T: Linear>(of: &T) -> impl Iterator<Item = f64> {
+    (0..T::COMPONENTS).map(|k| of.component(k))
+}
+
+/// Takes values off the front of the bytes; their number has been checked.
+struct Reader<'a>(&'a [u8]);
+
+impl Reader<'_> {
+    fn take<const N: usize>(&mut self) -> [u8; N] {
+        let (head, rest) = self
+            .0
+            .split_first_chunk()
+            .expect("length checked before reading");
+        self.0 = rest;
+        *head
+    }
+
+    fn number(&mut self) -> f64 {
+        f64::from_le_bytes(self.take())
+    }
+
+    fn count(&mut self) -> u64 {
+        u64::from_le_bytes(self.take())
+    }
+}
+
+/// Bytes of the shortest header (that of version 1), of δt and of the checksum.
+const LEAST: usize = 8 + 4 + 8 + 8 + 8 + 8;
+
+fn decode<const D: usize>(bytes: &[u8], grains: &Grains) -> Result<State<D>, String>
+where
+    Dim<D>: Dimension<D>,
+{
+    if bytes.len() < LEAST {
+        return Err(format!("{} bytes, too short for a header", bytes.len()));
+    }
+    let (content, check) = bytes.split_at(bytes.len() - 8);
+    let mut reader = Reader(content);
+    let contact_count = read_header::<D>(&mut reader, grains, bytes.len())?;
+    if check != checksum(content).to_le_bytes() {
+        return Err("its checksum does not fit, the file is damaged".into());
+    }
+    for grain in 0..grains.count() {
+        let same = [reader.number(), reader.number()] == [grains.radius[grain], grains.mass[grain]]
+            && reader.take() == [u8::from(grains.fixed[grain])];
+        if !same {
+            return Err(format!("grain {grain} differs from that of the scene"));
+        }
+    }
+    Ok(read_state(&mut reader, grains.count(), contact_count))
+}
+
+/// Is it a state of so many grains, as long as it should be? How many contacts it holds.
+fn read_header<const D: usize>(
+    reader: &mut Reader<'_>,
+    grains: &Grains,
+    length: usize,
+) -> Result<u64, String>
+where
+    Dim<D>: Dimension<D>,
+{
+    if reader.take() != MAGIC {
+        return Err("not a state of this engine".into());
+    }
+    let dimension = match u32::from_le_bytes(reader.take()) {
+        1 => 2,
+        VERSION => u32::from_le_bytes(reader.take()),
+        version => return Err(format!("version {version}, this engine reads {VERSION}")),
+    };
+    if dimension as usize != D {
+        return Err(format!("{dimension} dimensions, the scene has {D}"));
+    }
+    let (grain_count, contact_count) = (reader.count(), reader.count());
+    if grain_count != grains.count() as u64 {
+        let own = grains.count();
+        return Err(format!("{grain_count} grains, the scene has {own}"));
+    }
+    let header = length - reader.0.len();
+    let [grain, contact] = sizes::<D>().map(|size| size as u128);
+    let promised = u128::from(grain_count) * grain
+        + u128::from(contact_count) * contact
+        + (header + 8) as u128;
+    if promised != length as u128 {
+        return Err(format!("{length} bytes, its header promises {promised}"));
+    }
+    Ok(contact_count)
+}
+
+fn read_state<const D: usize>(
+    reader: &mut Reader<'_>,
+    grain_count: usize,
+    contact_count: u64,
+) -> State<D>
+where
+    Dim<D>: Dimension<D>,
+{
+    let mut state = State::default();
+    for _ in 0..grain_count {
+        state.position.push(from_fn(|_| reader.number()));
+        state.velocity.push(from_fn(|_| reader.number()));
+        state
+            .spin
+            .push(Linear::from_components(|_| reader.number()));
+    }
+    let dt = reader.number();
+    let mut entries = Vec::new();
+    for _ in 0..contact_count {
+        let key = Key {
+            first: u32::from_le_bytes(reader.take()),
+            second: u32::from_le_bytes(reader.take()),
+            image: Image(reader.take::<1>()[0]),
+        };
+        let impulse = Local {
+            normal: reader.number(),
+            tangential: Linear::from_components(|_| reader.number()),
+        };
+        entries.push((key, impulse));
+    }
+    state.impulses = Impulses { dt, entries };
+    state
+}
+
+/// FNV-1a, 64 bits: finds a damaged file, guards against nothing else.
+fn checksum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
+}
