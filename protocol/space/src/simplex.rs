@@ -58,6 +58,15 @@ where
     }
 }
 
+/// Edge of the square or cube of this volume \[m\].
+#[inline]
+pub fn cube_edge<const D: usize>(volume: f64) -> f64 {
+    match D {
+        2 => volume.sqrt(),
+        _ => volume.cbrt(),
+    }
+}
+
 /// D! times the volume of a simplex; positive when its corners are right-handed (counter-clockwise).
 #[inline]
 pub fn determinant<const D: usize, const N: usize>(corners: &[Vector<D>; N]) -> f64
