@@ -6,61 +6,53 @@
 
 use std::hint::black_box;
 
-use coupler::transfer::Transfer;
+use coupler::transfer::{Mesh, Transfer};
 use criterion::{Criterion, criterion_group, criterion_main};
-use protocol::engine::MeshDescription;
+use space::Vector;
 
 const GRAINS: usize = 10_000;
 const COLUMNS: usize = 80;
 const ROWS: usize = 240;
 
 /// A rectangle of unit cells, each cut into two triangles.
-fn rectangle() -> MeshDescription {
+fn rectangle() -> Mesh<2, 3> {
     let node = |i: usize, j: usize| (j * (COLUMNS + 1) + i) as u32;
-    let mut mesh = MeshDescription::default();
-    for j in 0..=ROWS {
-        for i in 0..=COLUMNS {
-            mesh.node_position.extend([i as f64, j as f64]);
-        }
+    let nodes = (0..(ROWS + 1) * (COLUMNS + 1)).map(|k| (k % (COLUMNS + 1), k / (COLUMNS + 1)));
+    let cells = (0..ROWS * COLUMNS).map(|k| (k % COLUMNS, k / COLUMNS));
+    let cut = |(i, j)| {
+        let [a, b] = [node(i, j), node(i + 1, j)];
+        let [c, d] = [node(i + 1, j + 1), node(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    };
+    let node_position: Vec<Vector<2>> = nodes
+        .map(|(i, j)| Vector::from([i as f64, j as f64]))
+        .collect();
+    let simplices: Vec<[u32; 3]> = cells.flat_map(cut).collect();
+    let place = |corners: &[u32; 3]| corners.map(|node| node_position[node as usize]);
+    let mut nodal_mass = vec![0.0; node_position.len()];
+    for &corner in simplices.as_flattened() {
+        nodal_mass[corner as usize] += 0.5 / 3.0;
     }
-    for j in 0..ROWS {
-        for i in 0..COLUMNS {
-            let [a, b, c, d] = [
-                node(i, j),
-                node(i + 1, j),
-                node(i + 1, j + 1),
-                node(i, j + 1),
-            ];
-            mesh.triangles.extend([[a, b, c], [a, c, d]]);
-        }
+    Mesh {
+        corners: simplices.iter().map(place).collect(),
+        node_position,
+        simplices,
+        nodal_mass,
+        period: [None, None],
     }
-    mesh.nodal_mass = vec![0.0; mesh.node_position.len() / 2];
-    for corners in &mesh.triangles {
-        let place = |k: u32| {
-            let k = k as usize;
-            [mesh.node_position[2 * k], mesh.node_position[2 * k + 1]]
-        };
-        let [a, b, c] = corners.map(place);
-        mesh.triangle_position
-            .push([a[0], a[1], b[0], b[1], c[0], c[1]]);
-        for &corner in corners {
-            mesh.nodal_mass[corner as usize] += 0.5 / 3.0;
-        }
-    }
-    mesh
 }
 
 fn bench(criterion: &mut Criterion) {
     let mesh = rectangle();
     let golden = 0.618_033_988_749_894_9_f64;
-    let positions: Vec<f64> = (0..GRAINS)
-        .flat_map(|k| {
+    let positions: Vec<Vector<2>> = (0..GRAINS)
+        .map(|k| {
             let across = (k as f64 * golden).fract() * COLUMNS as f64;
-            [across, (k as f64 + 0.5) / GRAINS as f64 * ROWS as f64]
+            Vector::from([across, (k as f64 + 0.5) / GRAINS as f64 * ROWS as f64])
         })
         .collect();
-    let field: Vec<f64> = (0..mesh.node_position.len())
-        .map(|k| (k as f64).sin())
+    let field: Vec<Vector<2>> = (0..mesh.node_position.len())
+        .map(|k| Vector::from([(2 * k) as f64, (2 * k + 1) as f64]).map(f64::sin))
         .collect();
     let mut group = criterion.benchmark_group("transfer of 1e4 grains");
     for (name, length) in [("lumped mass", 0.0), ("smoothed over two cells", 2.0)] {
@@ -72,10 +64,10 @@ fn bench(criterion: &mut Criterion) {
             });
         }
         group.bench_function(format!("deposit a vector, {name}"), |bencher| {
-            bencher.iter(|| transfer.deposit_vector(&placement, |i| [i as f64, 1.0]));
+            bencher.iter(|| transfer.deposit(&placement, |i| Vector::from([i as f64, 1.0])));
         });
         group.bench_function(format!("sample a vector, {name}"), |bencher| {
-            bencher.iter(|| transfer.sample_vector(&placement, black_box(&field)));
+            bencher.iter(|| transfer.sample(&placement, black_box(&field)));
         });
     }
     group.finish();

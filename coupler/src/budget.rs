@@ -15,9 +15,11 @@
 //! Ṫ is m Δv/Δt·v̄: with backward Euler it holds the change of kinetic energy and what the time
 //! scheme dissipates. P_sol is the power of the solid's terms as the fluid applied them.
 
-use crate::coupling::Coupling;
-use crate::engines;
-use crate::scheme::Outcome;
+use space::{Dim, Dimension, Vector, hypot};
+
+use crate::coupled::outcome::Outcome;
+use crate::immersion::Immersion;
+use crate::state::Grains;
 
 /// Balances of a step.
 #[derive(Debug, Clone, Copy, Default)]
@@ -40,116 +42,147 @@ pub struct Budget {
     pub contact_dissipation: f64,
 }
 
-/// Balances of a coupled step about to be accepted.
-pub fn of_coupled_step(coupling: &Coupling, outcome: &Outcome, dt: f64) -> Budget {
-    let (grains, transfer) = (&coupling.grains, coupling.transfer());
-    let depth = transfer.depth();
-    let solid: f64 = grains.volume.iter().sum();
-    let deposited: f64 = depth
-        * transfer
-            .nodal_mass()
-            .iter()
-            .zip(&outcome.fields.porosity)
-            .map(|(l, phi)| l * (1.0 - phi))
-            .sum::<f64>();
-    let (third_law, weight) = third_law(coupling, outcome);
-    let energy = energy(coupling, outcome, dt);
-    Budget {
-        volume_defect: (deposited - solid).abs() / solid,
-        third_law_defect: third_law / weight,
-        momentum_defect: outcome.defect.momentum,
-        ..energy
-    }
-}
-
-/// |(B2)| and the grains' weight in the fluid, both \[N\].
-fn third_law(coupling: &Coupling, outcome: &Outcome) -> (f64, f64) {
-    let (grains, transfer, fields) = (&coupling.grains, coupling.transfer(), &outcome.fields);
-    let (density, gravity, depth) = (
-        coupling.fluid_density(),
-        coupling.scene.gravity,
-        transfer.depth(),
-    );
-    let mass = transfer.nodal_mass();
-    let sum = [0, 1].map(|axis| {
-        let on_fluid: f64 = (0..mass.len())
-            .map(|a| {
-                let k = 2 * a + axis;
-                let pressure = (1.0 - fields.porosity[a] - fields.entrained_fraction[a])
-                    * outcome.fluid.pressure_gradient[k];
-                mass[a]
-                    * (pressure + fields.drag_source[k]
-                        - fields.drag[a] * outcome.fluid.velocity[k])
-            })
-            .sum();
-        let on_grains: f64 = (0..grains.count())
-            .map(|i| {
-                let k = 2 * i + axis;
-                let owed = outcome.model.drag[i] * outcome.residual[k] + outcome.lagged[k]
-                    - grains.carried[k];
-                outcome.force[k] - outcome.model.drag[i] * outcome.grains.mean_velocity[k] + owed
-            })
-            .sum();
-        depth * on_fluid + on_grains
-    });
-    let weight: f64 = (0..grains.count())
-        .map(|i| (grains.mass[i] - density * grains.volume[i]).abs() * gravity[0].hypot(gravity[1]))
-        .sum();
-    (sum[0].hypot(sum[1]), weight.max(f64::MIN_POSITIVE))
-}
-
-/// The lines of (B3).
-fn energy(coupling: &Coupling, outcome: &Outcome, dt: f64) -> Budget {
-    let (grains, gravity, density) = (
-        &coupling.grains,
-        coupling.scene.gravity,
-        coupling.fluid_density(),
-    );
-    let velocity = coupling
-        .transfer()
-        .sample_vector(&outcome.placement, &outcome.fluid.velocity);
-    let (mut interaction, mut dissipation, mut contact, mut weight_power) = (0.0, 0.0, 0.0, 0.0);
-    for k in 0..velocity.len() {
-        let i = k / 2;
-        let (mean, drag) = (outcome.grains.mean_velocity[k], outcome.model.drag[i]);
-        let on_grain = outcome.force[k] - drag * mean;
-        let inertia = grains.mass[i] * (outcome.grains.velocity[k] - grains.velocity[k]) / dt;
-        interaction += on_grain * mean;
-        dissipation += drag * (velocity[k] - mean).powi(2);
-        contact += (inertia - grains.mass[i] * gravity[k % 2] - on_grain) * mean;
-        weight_power += (grains.mass[i] - density * grains.volume[i]) * gravity[k % 2] * mean;
-    }
-    let diagnostics = coupling
-        .fluid
-        .as_ref()
-        .map_or(&[][..], |seat| &seat.diagnostics);
-    let solid = coupling.transfer().depth()
-        * engines::value(diagnostics, "solid_power").unwrap_or(f64::NAN);
-    let nodal = nodal_power(coupling, outcome);
-    let scale = weight_power.abs().max(dissipation).max(f64::MIN_POSITIVE);
-    Budget {
-        energy_defect: (interaction + nodal + dissipation).abs() / scale,
-        transfer_loss: (nodal - solid) / scale,
-        gravity_power: weight_power,
-        drag_dissipation: dissipation,
-        contact_dissipation: -contact,
-        ..Budget::default()
-    }
-}
-
-/// P_nod of (B3).
-fn nodal_power(coupling: &Coupling, outcome: &Outcome) -> f64 {
-    let (mass, fields) = (coupling.transfer().nodal_mass(), &outcome.fields);
-    let power = |k: usize| {
-        let (a, w, gradient) = (
-            k / 2,
-            outcome.fluid.velocity[k],
-            outcome.fluid.pressure_gradient[k],
-        );
-        let entrained = fields.entrained_fraction[a] * w;
-        let flux = entrained + fields.solid_flux[k] - fields.solid_mobility[a] * gradient;
-        let on_fluid = w * (fields.drag_source[k] - fields.drag[a] * w) - entrained * gradient;
-        mass[a] * (on_fluid + flux * gradient)
+/// Balances of a coupled step about to be accepted; `solid_power` is P_sol, per metre of depth.
+pub fn of_coupled_step<const D: usize, const N: usize>(
+    immersion: &Immersion<D, N>,
+    grains: &Grains<D>,
+    outcome: &Outcome<D, N>,
+    solid_power: f64,
+    dt: f64,
+) -> Budget
+where
+    Dim<D>: Dimension<D>,
+{
+    let transfer = &immersion.transfer;
+    let (depth, mass) = (transfer.depth(), transfer.nodal_mass());
+    let step = Step {
+        immersion,
+        grains,
+        outcome,
+        dt,
     };
-    coupling.transfer().depth() * (0..outcome.fluid.velocity.len()).map(power).sum::<f64>()
+    let powers = step.powers();
+    let nodal = depth * step.nodal_power();
+    let scale = powers.gravity.abs().max(powers.drag).max(f64::MIN_POSITIVE);
+    let weight = step.weight().max(f64::MIN_POSITIVE);
+    let third_law = step.force_on_fluid(mass) * depth + step.force_on_grains();
+    Budget {
+        volume_defect: volume_defect(depth, mass, &outcome.response.porosity, &grains.volume),
+        third_law_defect: hypot(&third_law) / weight,
+        momentum_defect: outcome.pass.defect.momentum,
+        energy_defect: (powers.interaction + nodal + powers.drag).abs() / scale,
+        transfer_loss: (nodal - depth * solid_power) / scale,
+        gravity_power: powers.gravity,
+        drag_dissipation: powers.drag,
+        contact_dissipation: -powers.contact,
+    }
+}
+
+/// |(B1)| over Σ V.
+fn volume_defect(depth: f64, mass: &[f64], porosity: &[f64], volume: &[f64]) -> f64 {
+    let solid: f64 = volume.iter().sum();
+    let nodes = mass.iter().zip(porosity);
+    let deposited = depth * nodes.map(|(l, phi)| l * (1.0 - phi)).sum::<f64>();
+    (deposited - solid).abs() / solid
+}
+
+/// Powers of the grains \[W\].
+#[derive(Debug, Clone, Copy, Default)]
+struct Powers {
+    /// P_int of (B3).
+    interaction: f64,
+    /// Σ γ |N w − v̄|².
+    drag: f64,
+    /// P_c of (B3).
+    contact: f64,
+    /// Σ (m − ρV) g·v̄.
+    gravity: f64,
+}
+
+/// A step that is measured.
+struct Step<'a, const D: usize, const N: usize> {
+    immersion: &'a Immersion<D, N>,
+    /// Before the step.
+    grains: &'a Grains<D>,
+    outcome: &'a Outcome<D, N>,
+    dt: f64,
+}
+
+impl<const D: usize, const N: usize> Step<'_, D, N>
+where
+    Dim<D>: Dimension<D>,
+{
+    /// Σ ℓ [(1−φ−c) G + s − β w] of (B2), per metre of depth.
+    fn force_on_fluid(&self, mass: &[f64]) -> Vector<D> {
+        let (response, flow) = (&self.outcome.response, &self.outcome.pass.flow);
+        let at = |a: usize| {
+            let share = 1.0 - response.porosity[a] - response.entrained_fraction[a];
+            let pressure = flow.pressure_gradient[a] * share;
+            (pressure + response.drag_source[a] - flow.velocity[a] * response.drag[a]) * mass[a]
+        };
+        (0..mass.len()).map(at).sum()
+    }
+
+    /// Σ (q − γ v̄) of (B2), with what this step owes and the last one owed.
+    fn force_on_grains(&self) -> Vector<D> {
+        let (outcome, pass) = (self.outcome, &self.outcome.pass);
+        let drag = &outcome.model.drag;
+        let of = |i: usize| {
+            let owed =
+                pass.residual[i] * drag[i] + outcome.lagged[i] - self.grains.carried_force[i];
+            pass.force[i] - pass.grains.mean_velocity[i] * drag[i] + owed
+        };
+        (0..self.grains.count()).map(of).sum()
+    }
+
+    /// Σ |m − ρV| |g|.
+    fn weight(&self) -> f64 {
+        let (density, gravity) = (self.immersion.fluid.density, hypot(&self.immersion.gravity));
+        let bodies = self.grains.mass.iter().zip(&self.grains.volume);
+        bodies
+            .map(|(mass, volume)| (mass - density * volume).abs() * gravity)
+            .sum()
+    }
+
+    fn powers(&self) -> Powers {
+        let (grains, outcome, pass) = (self.grains, self.outcome, &self.outcome.pass);
+        let (density, gravity) = (self.immersion.fluid.density, &self.immersion.gravity);
+        let transfer = &self.immersion.transfer;
+        let fluid = transfer.sample(&outcome.placement, &pass.flow.velocity);
+        let mut powers = Powers::default();
+        for i in 0..grains.count() {
+            let (mass, drag) = (grains.mass[i], outcome.model.drag[i]);
+            let mean = pass.grains.mean_velocity[i];
+            let on_grain = pass.force[i] - mean * drag;
+            let inertia = (pass.grains.velocity[i] - grains.velocity[i]) * mass / self.dt;
+            let contact = inertia - gravity * mass - on_grain;
+            let weight = gravity * (mass - density * grains.volume[i]);
+            for axis in 0..D {
+                powers.interaction += on_grain[axis] * mean[axis];
+                powers.drag += drag * (fluid[i][axis] - mean[axis]).powi(2);
+                powers.contact += contact[axis] * mean[axis];
+                powers.gravity += weight[axis] * mean[axis];
+            }
+        }
+        powers
+    }
+
+    /// P_nod of (B3), per metre of depth.
+    fn nodal_power(&self) -> f64 {
+        let (response, flow) = (&self.outcome.response, &self.outcome.pass.flow);
+        let mut power = 0.0;
+        for (a, mass) in self.immersion.transfer.nodal_mass().iter().enumerate() {
+            let (drag, c) = (response.drag[a], response.entrained_fraction[a]);
+            for axis in 0..D {
+                let (w, gradient) = (flow.velocity[a][axis], flow.pressure_gradient[a][axis]);
+                let entrained = c * w;
+                let flux = entrained + response.solid_flux[a][axis]
+                    - response.solid_mobility[a] * gradient;
+                let on_fluid =
+                    w * (response.drag_source[a][axis] - drag * w) - entrained * gradient;
+                power += mass * (on_fluid + flux * gradient);
+            }
+        }
+        power
+    }
 }

@@ -9,7 +9,7 @@
 //! What a step does depends on what was computed and on nothing else: the same scene takes the same
 //! steps.
 
-use protocol::configure::{AdaptiveStep, CouplerScene};
+use protocol::scene::{AdaptiveStep, CouplerScene};
 
 /// An adaptive step may grow by this factor over the last one.
 const GROWTH_MAX: f64 = 1.2;
@@ -119,7 +119,7 @@ impl Clock {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use protocol::configure::{DragLaw, Geometry, Limits, Scheme};
+    use protocol::scene::{DragLaw, Geometry, Limits, Scheme};
 
     fn clock(end_time: f64, coupling_step: f64, adaptive: Option<AdaptiveStep>) -> Clock {
         Clock::new(&CouplerScene {

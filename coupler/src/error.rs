@@ -1,5 +1,6 @@
 //! What can end a coupled run.
 
+use space::Vector;
 use thiserror::Error;
 
 /// Errors of the coupler; `exit_code` is what the process leaves with.
@@ -19,22 +20,33 @@ pub enum CouplerError {
         /// What is wrong, where, and what is allowed.
         why: String,
     },
+    /// There is neither a fluid nor a grain.
+    #[error("nothing to couple: the scene has neither a fluid nor grains")]
+    Nothing,
+    /// Numbers that are no vectors of this run.
+    #[error("{what}: {count} numbers are no vectors of {dimension}")]
+    Dimension {
+        /// Whose.
+        what: String,
+        /// How many numbers.
+        count: usize,
+        /// Numbers of a vector.
+        dimension: usize,
+    },
     /// A grain is not on the mesh.
     #[error(
-        "grain {grain} at ({x:.6e}, {y:.6e}) m is outside the fluid's mesh; grains must stay inside: \
+        "grain {grain} at {at} m is outside the fluid's mesh; grains must stay inside: \
          check the walls, or take a smaller coupling step"
     )]
     GrainOutside {
         /// Which grain.
         grain: usize,
         /// Its position \[m\].
-        x: f64,
-        /// Its position \[m\].
-        y: f64,
+        at: String,
     },
     /// The porosity is not positive at a node.
     #[error(
-        "porosity {porosity:.4} at node {node} ({x:.6e}, {y:.6e}) m: it must stay above 0; use larger \
+        "porosity {porosity:.4} at node {node} {at} m: it must stay above 0; use larger \
          cells or a smoothing_length of at least two grain diameters"
     )]
     Porosity {
@@ -43,9 +55,7 @@ pub enum CouplerError {
         /// φ there.
         porosity: f64,
         /// Its position \[m\].
-        x: f64,
-        /// Its position \[m\].
-        y: f64,
+        at: String,
     },
     /// The matrix of a smoothed transfer has no factor.
     #[error("the transfer cannot be smoothed over {length:e} m on this mesh: {why}")]
@@ -90,6 +100,19 @@ pub enum CouplerError {
         /// What it reported.
         told: String,
     },
+    /// A contact state that is none.
+    #[error(
+        "step {step}: the particle engine says grain_contact {number} of grain {grain}, allowed: 0 free, \
+         1 touches, 2 held"
+    )]
+    ContactState {
+        /// Which step.
+        step: u64,
+        /// Which grain.
+        grain: usize,
+        /// What it says.
+        number: f64,
+    },
     /// A value that must be finite is not.
     #[error("step {step}: {what} is not finite")]
     NotFinite {
@@ -127,8 +150,10 @@ impl CouplerError {
         match self {
             CouplerError::Protocol(error) => error.exit_code(),
             CouplerError::Recording(error) => error.exit_code(),
-            CouplerError::Scene { .. } => 2,
+            CouplerError::Scene { .. } | CouplerError::Nothing => 2,
             CouplerError::GrainOutside { .. }
+            | CouplerError::Dimension { .. }
+            | CouplerError::ContactState { .. }
             | CouplerError::SubSteps { .. }
             | CouplerError::Porosity { .. }
             | CouplerError::Smoothing { .. }
@@ -137,4 +162,10 @@ impl CouplerError {
             CouplerError::Interrupted { .. } => 130,
         }
     }
+}
+
+/// A position as errors tell it.
+pub fn place<const D: usize>(position: &Vector<D>) -> String {
+    let numbers: Vec<String> = position.iter().map(|x| format!("{x:.6e}")).collect();
+    format!("({})", numbers.join(", "))
 }

@@ -2,23 +2,16 @@
 
 use std::path::Path;
 
-use protocol::configure::{CouplerScene, Geometry};
+use csv::StringRecord;
 use protocol::engine::InitialGrains;
-use serde::Deserialize;
+use protocol::scene::{CouplerScene, Geometry};
 
-use crate::drag::Shape;
+use crate::drag::laws::Shape;
 use crate::error::CouplerError;
 
-#[derive(Deserialize)]
-struct Row {
-    x: f64,
-    y: f64,
-    radius: f64,
-    density: f64,
-    vx: f64,
-    vy: f64,
-    fixed: u8,
-}
+/// Columns of positions and of velocities, by axis.
+const POSITION: [&str; 3] = ["x", "y", "z"];
+const VELOCITY: [&str; 3] = ["vx", "vy", "vz"];
 
 /// Read a resolved scene and the grains beside it.
 pub fn read(path: &Path) -> Result<(CouplerScene, InitialGrains), CouplerError> {
@@ -33,43 +26,98 @@ pub fn read(path: &Path) -> Result<(CouplerScene, InitialGrains), CouplerError> 
         return Ok((scene, InitialGrains::default()));
     };
     let file = path.parent().unwrap_or(Path::new(".")).join(name);
-    let mut reader =
-        csv::Reader::from_path(&file).map_err(|error| refuse(&file, error.to_string()))?;
-    let rows: Vec<Row> = reader
-        .deserialize()
-        .collect::<Result<_, _>>()
-        .map_err(|error| refuse(&file, error.to_string()))?;
-    let grains = grains(&rows, scene.geometry).map_err(|why| refuse(&file, why))?;
-    if let Some(row) = rows
-        .iter()
-        .position(|row| scene.grains_stay && row.fixed == 0)
-    {
-        let why =
-            "is not fixed, but the scene says grains_stay: without a particle process all must be";
-        return Err(refuse(&file, format!("line {}: the grain {why}", row + 2)));
-    }
+    let grains = grains(&file, &scene).map_err(|why| refuse(&file, why))?;
     Ok((scene, grains))
 }
 
-fn grains(rows: &[Row], geometry: Geometry) -> Result<InitialGrains, String> {
+/// Grains of a scene; an error names the line.
+fn grains(file: &Path, scene: &CouplerScene) -> Result<InitialGrains, String> {
+    let mut reader = csv::Reader::from_path(file).map_err(|error| error.to_string())?;
+    let headers = reader.headers().map_err(|error| error.to_string())?;
+    let columns = Columns::new(headers, scene.gravity.len())?;
     let mut grains = InitialGrains::default();
-    for (index, row) in rows.iter().enumerate() {
-        let finite = [row.x, row.y, row.radius, row.density, row.vx, row.vy]
-            .iter()
-            .all(|value| value.is_finite());
-        if !finite || row.radius <= 0.0 || row.density <= 0.0 {
-            return Err(format!(
-                "line {}: radius and density must be above 0 and all values finite",
-                index + 2
-            ));
-        }
-        let volume = Shape::new(geometry, row.radius, 1.0).volume;
-        grains.position.extend([row.x, row.y]);
-        grains.velocity.extend([row.vx, row.vy]);
-        grains.radius.push(row.radius);
-        grains.mass.push(row.density * volume);
-        grains.volume.push(volume);
-        grains.fixed.push(f64::from(row.fixed != 0));
+    for (index, row) in reader.records().enumerate() {
+        let row = row.map_err(|error| error.to_string())?;
+        columns
+            .add(&row, scene.geometry, &mut grains)
+            .and_then(|()| may_move(scene, &grains))
+            .map_err(|why| format!("line {}: {why}", index + 2))?;
     }
     Ok(grains)
+}
+
+fn may_move(scene: &CouplerScene, grains: &InitialGrains) -> Result<(), String> {
+    match grains.fixed.last() {
+        Some(&fixed) if scene.grains_stay && fixed == 0.0 => Err(
+            "the grain is not fixed, but the scene says grains_stay: without a particle process all \
+             must be"
+                .to_owned(),
+        ),
+        _ => Ok(()),
+    }
+}
+
+/// Where the numbers of a grain stand in a row.
+struct Columns {
+    position: Vec<usize>,
+    velocity: Vec<usize>,
+    radius: usize,
+    density: usize,
+    fixed: usize,
+}
+
+impl Columns {
+    fn new(headers: &StringRecord, dimension: usize) -> Result<Columns, String> {
+        let find = |name: &str| {
+            let place = headers.iter().position(|header| header.trim() == name);
+            place.ok_or_else(|| format!("column `{name}` is missing"))
+        };
+        let along = |names: &[&str; 3]| -> Result<Vec<usize>, String> {
+            names
+                .iter()
+                .take(dimension)
+                .map(|name| find(name))
+                .collect()
+        };
+        Ok(Columns {
+            position: along(&POSITION)?,
+            velocity: along(&VELOCITY)?,
+            radius: find("radius")?,
+            density: find("density")?,
+            fixed: find("fixed")?,
+        })
+    }
+
+    fn add(
+        &self,
+        row: &StringRecord,
+        geometry: Geometry,
+        grains: &mut InitialGrains,
+    ) -> Result<(), String> {
+        let number = |column: usize| -> Result<f64, String> {
+            let text = row.get(column).unwrap_or_default().trim();
+            let number = text.parse().map_err(|_| format!("`{text}` is no number"));
+            number.and_then(|number: f64| match number.is_finite() {
+                true => Ok(number),
+                false => Err(format!("{number} is not finite")),
+            })
+        };
+        let (radius, density) = (number(self.radius)?, number(self.density)?);
+        if radius <= 0.0 || density <= 0.0 {
+            return Err("radius and density must be above 0".to_owned());
+        }
+        for &column in &self.position {
+            grains.position.push(number(column)?);
+        }
+        for &column in &self.velocity {
+            grains.velocity.push(number(column)?);
+        }
+        let volume = Shape::new(geometry, radius, 1.0).volume;
+        grains.radius.push(radius);
+        grains.mass.push(density * volume);
+        grains.volume.push(volume);
+        let fixed = number(self.fixed)? != 0.0;
+        grains.fixed.push(f64::from(u8::from(fixed)));
+        Ok(())
+    }
 }

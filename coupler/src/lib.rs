@@ -1,22 +1,34 @@
-//! The coupler: the clock, the staggered scheme, the transfer between grains and mesh, drag, budgets.
+//! The coupler: the clock, the coupling schemes, the transfer between grains and mesh, drag, budgets.
 //!
 //! It talks to a fluid engine and a particle engine through `protocol` and knows how neither solves.
+//! Everything is written once for `D` dimensions, with `N = D + 1` corners of a simplex. Read in
+//! this order:
+//!
+//! * [`state`]: grains, flow, and what a candidate is
+//! * [`system`]: what is coupled with what; [`coupled`] (S1–S6), [`one_way`], [`alone`]
+//! * [`immersion`]: grains in a fluid, with [`transfer`] and [`drag`]
+//! * [`seats`]: the engines, as the scheme sees them
+//! * [`simulation`], [`setup`], [`run`], [`clock`]: from a scene to its end
+//! * [`budget`], [`report`], [`cost`], [`observe`], [`listener`], [`record`]: what is told of it
 
-pub mod anderson;
+pub mod alone;
 pub mod budget;
 pub mod clock;
-pub mod comparison;
-pub mod coupling;
-pub mod defect;
+pub mod cost;
+pub mod coupled;
 pub mod drag;
-pub mod engines;
 pub mod error;
+pub mod immersion;
 pub mod input;
-pub mod locate;
+pub mod listener;
 pub mod observe;
-pub mod proximity;
+pub mod one_way;
 pub mod record;
-pub mod response;
+pub mod report;
 pub mod run;
-pub mod scheme;
+pub mod seats;
+pub mod setup;
+pub mod simulation;
+pub mod state;
+pub mod system;
 pub mod transfer;

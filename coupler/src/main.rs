@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use coupler::error::CouplerError;
-use coupler::record::Request;
+use coupler::record::Target;
 use recording::Compression;
 
 /// Couple a fluid engine and a particle engine: owns the clock, the scheme, the transfer and drag.
@@ -41,11 +41,11 @@ fn main() -> ExitCode {
         .map_err(CouplerError::from)
         .and_then(|runspace| {
             let (scene, grains) = coupler::input::read(&arguments.scene)?;
-            let record = arguments.record.map(|path| Request {
+            let record = arguments.record.map(|path| Target {
                 path,
                 compression: arguments.record_compression,
             });
-            coupler::run::run(scene, &grains, &runspace, record.as_ref())
+            coupler::run::run::<2, 3>(scene, &grains, &runspace, record.as_ref())
         });
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,69 +1,53 @@
 //! Numbers of one accepted step, as they stand in `steps.csv`.
 
-use protocol::messages::Diagnostic;
+use protocol::message::Diagnostic;
+use space::{Dim, Dimension, Vector, hypot};
 
-use crate::coupling::{Coupling, StepReport};
-use crate::engines::value;
+use crate::cost::StepCost;
+use crate::report::StepReport;
+use crate::seats::request::value;
+use crate::simulation::Simulation;
+use crate::state::Grains;
 
-/// Times of one step \[s\].
-#[derive(Debug, Clone, Copy, Default)]
-pub struct StepCost {
-    /// Wall time of the step.
-    pub wall: f64,
-    /// CPU time of the fluid engine.
-    pub cpu_fluid: f64,
-    /// CPU time of the particle engine.
-    pub cpu_particles: f64,
-    /// CPU time of the coupler.
-    pub cpu_coupler: f64,
-    /// Wall time inside the fluid engine (S2).
-    pub wall_fluid: f64,
-    /// Wall time inside the particle engine (S4, S5).
-    pub wall_particles: f64,
-    /// Wall time waited for the engines beyond that: the exchange.
-    pub wall_exchange: f64,
-    /// Wall time of the coupler itself (S1, S3, S6).
-    pub wall_coupler: f64,
-}
+/// The axis along which heights are told, positive upward, and the one along which widths are.
+const UP: usize = 1;
+const ACROSS: usize = 0;
+/// Names of the axes.
+const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Name and value of every column, in order.
-pub fn columns(coupling: &Coupling, report: &StepReport, cost: &StepCost) -> Vec<Diagnostic> {
+pub fn columns<const D: usize, const N: usize>(
+    simulation: &Simulation<D, N>,
+    report: &StepReport,
+    cost: &StepCost,
+) -> Vec<Diagnostic>
+where
+    Dim<D>: Dimension<D>,
+{
     let mut row = Row::default();
-    row.add("step", coupling.step as f64);
-    row.add("time", coupling.time);
+    row.add("step", simulation.state.step as f64);
+    row.add("time", simulation.state.time);
     row.add("dt", report.dt);
     row.add("passes", f64::from(report.passes));
     row.add("sub_steps", f64::from(report.sub_steps));
-    row.add("wall", cost.wall);
-    row.add("cpu_fluid", cost.cpu_fluid);
-    row.add("cpu_particles", cost.cpu_particles);
-    row.add("cpu_coupler", cost.cpu_coupler);
-    row.add("wall_fluid", cost.wall_fluid);
-    row.add("wall_particles", cost.wall_particles);
-    row.add("wall_exchange", cost.wall_exchange);
-    row.add("wall_coupler", cost.wall_coupler);
-    row.add("volume_defect", report.budget.volume_defect);
-    row.add("momentum_defect", report.budget.momentum_defect);
-    row.add("third_law_defect", report.budget.third_law_defect);
+    for (name, seconds) in cost.columns() {
+        row.add(name, seconds);
+    }
+    let budget = &report.budget;
+    row.add("volume_defect", budget.volume_defect);
+    row.add("momentum_defect", budget.momentum_defect);
+    row.add("third_law_defect", budget.third_law_defect);
     row.add("interaction_defect", report.interaction_defect);
-    row.add("energy_defect", report.budget.energy_defect);
-    row.add("transfer_loss", report.budget.transfer_loss);
-    add_grains(&mut row, coupling, report);
-    add_fluid(&mut row, coupling);
+    row.add("energy_defect", budget.energy_defect);
+    row.add("transfer_loss", budget.transfer_loss);
+    row.add_contacts(simulation);
+    row.add_grains(simulation, report);
+    row.add_fluid(simulation);
     row.0
 }
 
 #[derive(Default)]
 struct Row(Vec<Diagnostic>);
-
-impl Row {
-    fn add(&mut self, name: &str, value: f64) {
-        self.0.push(Diagnostic {
-            name: name.to_owned(),
-            value,
-        });
-    }
-}
 
 /// Numbers of the particle engine that stand in `steps.csv` where it counts them.
 const COUNTERS: [&str; 4] = [
@@ -73,80 +57,100 @@ const COUNTERS: [&str; 4] = [
     "wall_looks",
 ];
 
-fn add_grains(row: &mut Row, coupling: &Coupling, report: &StepReport) {
-    let Some(seat) = &coupling.particles else {
-        return;
-    };
-    for name in ["contacts", "contact_residual", "penetration_max"] {
-        row.add(name, value(&seat.diagnostics, name).unwrap_or(0.0));
+impl Row {
+    fn add(&mut self, name: &str, value: f64) {
+        self.0.push(Diagnostic {
+            name: name.to_owned(),
+            value,
+        });
     }
-    for name in COUNTERS {
-        if let Some(number) = value(&seat.diagnostics, name) {
-            row.add(name, number);
+
+    fn add_contacts<const D: usize, const N: usize>(&mut self, simulation: &Simulation<D, N>)
+    where
+        Dim<D>: Dimension<D>,
+    {
+        let Some(seat) = simulation.system.particles() else {
+            return;
+        };
+        for name in ["contacts", "contact_residual", "penetration_max"] {
+            self.add(name, value(seat.diagnostics(), name).unwrap_or(0.0));
+        }
+        for name in COUNTERS {
+            if let Some(number) = value(seat.diagnostics(), name) {
+                self.add(name, number);
+            }
         }
     }
-    let grains = &coupling.grains;
-    let axis = |values: &[f64], axis: usize| -> Vec<f64> {
-        values.iter().skip(axis).step_by(2).copied().collect()
-    };
-    let (mut x, mut y) = (axis(&grains.position, 0), axis(&grains.position, 1));
-    row.add("centre_x", mean(&x));
-    row.add("centre_y", mean(&y));
-    // Grains move with the velocity of the step's end, so their places are half a step ahead of it:
-    // the middle of the last path belongs to the time of the row, to second order.
-    let path = mean(&axis(&grains.mean_velocity, 1));
-    row.add("centre_y_mid", mean(&y) - 0.5 * report.dt * path);
-    let mut rise = axis(&grains.velocity, 1);
-    row.add("fall_speed", -mean(&rise));
-    rise.sort_by(f64::total_cmp);
-    row.add("fall_speed_median", -quantile(&rise, 0.5));
-    for (name, value) in mechanics(coupling) {
-        row.add(name, value);
-    }
-    x.sort_by(f64::total_cmp);
-    y.sort_by(f64::total_cmp);
-    row.add("front", quantile(&y, 0.0));
-    row.add("rear", quantile(&y, 1.0));
-    row.add("width", quantile(&x, 1.0) - quantile(&x, 0.0));
-    row.add("width98", quantile(&x, 0.99) - quantile(&x, 0.01));
-}
 
-/// Of the grains that move: Σ m v \[kg m/s\], Σ ½ m v² and Σ m (½ v² − g·x) \[J\], disks per metre.
-fn mechanics(coupling: &Coupling) -> [(&'static str, f64); 4] {
-    let (grains, gravity) = (&coupling.grains, coupling.scene().gravity);
-    let (mut momentum, mut kinetic, mut potential) = ([0.0; 2], 0.0, 0.0);
-    for i in (0..grains.count()).filter(|&i| !grains.fixed[i]) {
-        let at = |values: &[f64], axis: usize| values[2 * i + axis];
-        for axis in 0..2 {
-            let speed = at(&grains.velocity, axis);
-            momentum[axis] += grains.mass[i] * speed;
-            kinetic += 0.5 * grains.mass[i] * speed * speed;
-            potential -= grains.mass[i] * gravity[axis] * at(&grains.position, axis);
+    fn add_grains<const D: usize, const N: usize>(
+        &mut self,
+        simulation: &Simulation<D, N>,
+        report: &StepReport,
+    ) where
+        Dim<D>: Dimension<D>,
+    {
+        if simulation.system.particles().is_none() {
+            return;
         }
+        let grains = &simulation.state.grains;
+        for (axis, name) in AXES.iter().enumerate().take(D) {
+            self.add(
+                &format!("centre_{name}"),
+                mean(&along(&grains.position, axis)),
+            );
+        }
+        let (mut x, mut y) = (along(&grains.position, ACROSS), along(&grains.position, UP));
+        // Grains move with the velocity of the step's end, so their places are half a step ahead of it:
+        // the middle of the last path belongs to the time of the row, to second order.
+        let path = mean(&along(&grains.mean_velocity, UP));
+        self.add("centre_y_mid", mean(&y) - 0.5 * report.dt * path);
+        let mut rise = along(&grains.velocity, UP);
+        self.add("fall_speed", -mean(&rise));
+        rise.sort_by(f64::total_cmp);
+        self.add("fall_speed_median", -quantile(&rise, 0.5));
+        self.add_mechanics(grains, &simulation.gravity);
+        x.sort_by(f64::total_cmp);
+        y.sort_by(f64::total_cmp);
+        self.add("front", quantile(&y, 0.0));
+        self.add("rear", quantile(&y, 1.0));
+        self.add("width", quantile(&x, 1.0) - quantile(&x, 0.0));
+        self.add("width98", quantile(&x, 0.99) - quantile(&x, 0.01));
     }
-    [
-        ("momentum_x", momentum[0]),
-        ("momentum_y", momentum[1]),
-        ("kinetic_energy", kinetic),
-        ("mechanical_energy", kinetic + potential),
-    ]
-}
 
-fn add_fluid(row: &mut Row, coupling: &Coupling) {
-    let Some(seat) = &coupling.fluid else { return };
-    row.add("fluid_speed_max", speed_max(&coupling.fluid_state.velocity));
-    for diagnostic in seat.diagnostics.iter().filter(|d| is_column(&d.name)) {
-        row.add(&diagnostic.name, diagnostic.value);
+    /// Of the grains that move: Σ m v \[kg m/s\], Σ ½ m v² and Σ m (½ v² − g·x) \[J\], disks per metre.
+    fn add_mechanics<const D: usize>(&mut self, grains: &Grains<D>, gravity: &Vector<D>) {
+        let (mut momentum, mut kinetic, mut potential) = (Vector::<D>::zeros(), 0.0, 0.0);
+        for i in (0..grains.count()).filter(|&i| !grains.fixed[i]) {
+            for axis in 0..D {
+                let speed = grains.velocity[i][axis];
+                momentum[axis] += grains.mass[i] * speed;
+                kinetic += 0.5 * grains.mass[i] * speed * speed;
+                potential -= grains.mass[i] * gravity[axis] * grains.position[i][axis];
+            }
+        }
+        for (name, momentum) in AXES.iter().zip(&momentum) {
+            self.add(&format!("momentum_{name}"), *momentum);
+        }
+        self.add("kinetic_energy", kinetic);
+        self.add("mechanical_energy", kinetic + potential);
     }
-    if coupling.particles.is_some() {
-        row.add(
-            "porosity_min",
-            coupling
-                .porosity
-                .iter()
-                .copied()
-                .fold(f64::INFINITY, f64::min),
-        );
+
+    fn add_fluid<const D: usize, const N: usize>(&mut self, simulation: &Simulation<D, N>)
+    where
+        Dim<D>: Dimension<D>,
+    {
+        let Some(seat) = simulation.system.fluid() else {
+            return;
+        };
+        let state = &simulation.state;
+        self.add("fluid_speed_max", speed_max(&state.flow.velocity));
+        for diagnostic in seat.diagnostics.iter().filter(|d| is_column(&d.name)) {
+            self.add(&diagnostic.name, diagnostic.value);
+        }
+        if simulation.system.particles().is_some() {
+            let smallest = state.porosity.iter().copied().fold(f64::INFINITY, f64::min);
+            self.add("porosity_min", smallest);
+        }
     }
 }
 
@@ -155,16 +159,21 @@ fn add_fluid(row: &mut Row, coupling: &Coupling) {
 /// \[Pa\], forces on walls and bodies \[N/m\].
 fn is_column(name: &str) -> bool {
     matches!(name, "inflow" | "pressure_drop" | "reynolds" | "convection")
-        || name.starts_with("force_x_")
-        || name.starts_with("force_y_")
+        || AXES.iter().any(|axis| {
+            let force = name.strip_prefix("force_");
+            let along = force.and_then(|rest| rest.strip_prefix(axis));
+            along.is_some_and(|rest| rest.starts_with('_'))
+        })
 }
 
-/// Largest speed of an interleaved velocity field.
-pub fn speed_max(velocity: &[f64]) -> f64 {
-    velocity
-        .chunks_exact(2)
-        .map(|v| v[0].hypot(v[1]))
-        .fold(0.0, f64::max)
+/// Largest speed of a velocity field.
+pub fn speed_max<const D: usize>(velocity: &[Vector<D>]) -> f64 {
+    velocity.iter().map(hypot).fold(0.0, f64::max)
+}
+
+/// One component of all vectors.
+fn along<const D: usize>(vectors: &[Vector<D>], axis: usize) -> Vec<f64> {
+    vectors.iter().map(|vector| vector[axis]).collect()
 }
 
 fn mean(values: &[f64]) -> f64 {

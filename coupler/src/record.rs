@@ -3,19 +3,19 @@
 use std::path::PathBuf;
 
 use protocol::channel::Channel;
-use protocol::configure::CouplerScene;
-use protocol::messages::{Diagnostic, Role};
-use protocol::monitor::MonitorSender;
+use protocol::message::{Diagnostic, Role};
+use protocol::scene::CouplerScene;
 use recording::{Begin, Compression, Options, Recorder, RecordingError};
 
 use crate::error::CouplerError;
+use crate::listener::Listener;
 
 /// Environment: commit that the programs of this run were built from, as the orchestrator knows it.
 const ENV_COMMIT: &str = "SILLAGE_COMMIT";
 
-/// A recording that was asked for.
+/// Where a recording that was asked for goes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Request {
+pub struct Target {
     /// The file.
     pub path: PathBuf,
     /// Of its chunks.
@@ -32,21 +32,21 @@ pub struct Recording {
 impl Recording {
     /// Make the file and write what the run is.
     pub fn begin(
-        request: Option<&Request>,
+        target: Option<&Target>,
         scene: &CouplerScene,
     ) -> Result<Recording, RecordingError> {
-        let Some(request) = request else {
+        let Some(target) = target else {
             return Ok(Recording::default());
         };
         let program = concat!("sillage-coupler ", env!("CARGO_PKG_VERSION"));
         let commit = std::env::var(ENV_COMMIT).ok();
         let begin = Begin::of(scene, program, commit)?;
         let options = Options {
-            compression: request.compression,
+            compression: target.compression,
             ..Options::default()
         };
         Ok(Recording {
-            recorder: Some(Recorder::create(&request.path, options, &begin)?),
+            recorder: Some(Recorder::create(&target.path, options, &begin)?),
             told: false,
         })
     }
@@ -60,30 +60,27 @@ impl Recording {
     }
 
     /// Tell once when the recording ended before the run.
-    pub fn look(&mut self, monitor: &mut Option<MonitorSender>) -> Result<(), CouplerError> {
+    pub fn look(&mut self, listener: &mut Listener) -> Result<(), CouplerError> {
         if self.told {
             return Ok(());
         }
         let trouble = self.recorder.as_ref().and_then(Recorder::trouble);
         if let Some(why) = trouble {
-            self.tell(&why, monitor)?;
+            self.tell(&why, listener)?;
         }
         Ok(())
     }
 
-    fn tell(&mut self, why: &str, monitor: &mut Option<MonitorSender>) -> Result<(), CouplerError> {
+    fn tell(&mut self, why: &str, listener: &mut Listener) -> Result<(), CouplerError> {
         self.told = true;
-        match monitor {
-            Some(monitor) => Ok(monitor.recording_ended(why)?),
-            None => Ok(()),
-        }
+        listener.recording_ended(why)
     }
 
     /// The run ends with this exit code: write what waits, and add what came of it to the totals.
     pub fn finish(
         &mut self,
         exit: i32,
-        monitor: &mut Option<MonitorSender>,
+        listener: &mut Listener,
         totals: &mut Vec<Diagnostic>,
     ) -> Result<(), CouplerError> {
         let Some(recorder) = self.recorder.take() else {
@@ -108,7 +105,7 @@ impl Recording {
             totals.push(Diagnostic { name, value });
         }
         match outcome.why {
-            Some(why) if !self.told => self.tell(&why, monitor),
+            Some(why) if !self.told => self.tell(&why, listener),
             _ => Ok(()),
         }
     }

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use coupler::coupling::Coupling;
+use coupler::simulation::Simulation;
 use protocol::engine::{InitialGrains, serve_fluid, serve_particles};
 use protocol::local::{LIMITS, connect};
 use protocol::message::Role;
@@ -138,7 +138,7 @@ pub fn scene(
 }
 
 /// Start our engines on threads and couple them.
-pub fn couple(scene: CouplerScene, grains: &InitialGrains) -> Coupling {
+pub fn couple(scene: CouplerScene, grains: &InitialGrains) -> Simulation<2, 3> {
     couple_recorded(scene, grains, None)
 }
 
@@ -165,7 +165,7 @@ pub fn couple_recorded(
     scene: CouplerScene,
     grains: &InitialGrains,
     recorder: Option<&Recorder>,
-) -> Coupling {
+) -> Simulation<2, 3> {
     let filter = tracing_subscriber::EnvFilter::from_env("SILLAGE_LOG"); // SILLAGE_LOG=coupler=debug shows passes
     let _ = tracing_subscriber::fmt()
         .with_env_filter(filter)
@@ -177,12 +177,13 @@ pub fn couple_recorded(
         .particles
         .is_some()
         .then(|| engine(Role::Particles, recorder));
-    Coupling::new(scene, fluid, particles, grains).unwrap_or_else(|error| panic!("{error}"))
+    Simulation::new(scene, fluid, particles, grains).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Nodal pressure of the accepted state \[Pa\].
-pub fn pressure(coupling: &mut Coupling) -> Vec<f64> {
-    let seat = coupling.fluid.as_mut().expect("a fluid");
+pub fn pressure(coupling: &mut Simulation<2, 3>) -> Vec<f64> {
+    let (fluid, _) = coupling.system.seats_mut();
+    let seat = fluid.expect("a fluid");
     seat.pressure().expect("the engine tells it").to_vec()
 }
 

@@ -59,12 +59,11 @@ impl Case {
                 .unwrap_or_else(|error| panic!("{} step {step}: {error}", self.name));
         }
         // as for a state that is put out
-        let told = coupling
-            .fluid
-            .as_mut()
-            .map(|seat| seat.pressure().map(drop));
-        told.unwrap_or(Ok(()))
-            .and_then(|()| coupling.contact_states().map(drop))
+        let told = match coupling.system.seats_mut() {
+            (Some(seat), _) => seat.pressure().map(drop),
+            _ => Ok(()),
+        };
+        told.and_then(|()| coupling.fetch_contacts())
             .unwrap_or_else(|error| panic!("{}: {error}", self.name));
         drop(coupling);
         Ok(recorder.finish(0))

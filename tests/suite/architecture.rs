@@ -103,7 +103,7 @@ fn the_bounds_that_a_plan_tells_are_those_of_the_engines() {
         (
             "grain diameter over cell size up to which the transfer is lumped",
             choices::LUMPED_RATIO_MAX,
-            coupler::coupling::LUMPED_RATIO_MAX,
+            coupler::immersion::LUMPED_RATIO_MAX,
         ),
     ] {
         println!("{what}: {told}");

@@ -1,9 +1,11 @@
 //! Beds under through-flow: frozen, held by the floor, lifted.
 
-use coupler::coupling::Coupling;
 use coupler::drag::{Shape, implicit_slip_speed};
+use coupler::simulation::Simulation;
+use coupler::state::Contact;
 use protocol::engine::InitialGrains;
 use protocol::scene::{Boundary, CouplerScene, DragLaw, Geometry, Profile, Scheme, Wall};
+use space::flat::numbers;
 use tests::grains::{disks, frozen, lattice};
 use tests::reference::{number, rows};
 use tests::{
@@ -48,12 +50,12 @@ fn column(width: f64, height: f64, cells: [usize; 2], speed: f64) -> protocol::s
 }
 
 /// Pressure at the bottom minus that at the top, without the hydrostatic part \[Pa\].
-fn pressure_drop(coupling: &mut Coupling, height: f64) -> f64 {
+fn pressure_drop(coupling: &mut Simulation<2, 3>, height: f64) -> f64 {
     let pressure = pressure(coupling);
-    let seat = coupling.fluid.as_ref().expect("a fluid");
+    let seat = coupling.system.fluid().expect("a fluid");
     let level = |y: f64| {
         let at: Vec<f64> = (0..pressure.len())
-            .filter(|node| (seat.mesh.node_position[2 * node + 1] - y).abs() < 1e-9 * height)
+            .filter(|node| (seat.mesh.node_position[*node][1] - y).abs() < 1e-9 * height)
             .map(|node| pressure[node])
             .collect();
         at.iter().sum::<f64>() / at.len() as f64
@@ -207,12 +209,13 @@ fn a_uniform_bed_stays_below_minimum_fluidisation_and_lifts_above_it() {
                 let report = coupling.advance(dt).unwrap_or_else(|error| {
                     panic!("U/U_mf {ratio} a 1e{exponent} step {step}: {error}")
                 });
-                last = mean(&coupling.grains.velocity, 1) / bed.minimum_fluidisation;
+                last = mean(numbers(&coupling.state.grains.velocity), 1) / bed.minimum_fluidisation;
                 let held = coupling
+                    .state
                     .grains
                     .contact
                     .iter()
-                    .filter(|&&state| state == 2.0)
+                    .filter(|&&state| state == Contact::Held)
                     .count();
                 if step <= 6 || step % 10 == 0 {
                     println!(
@@ -236,10 +239,8 @@ fn a_uniform_bed_stays_below_minimum_fluidisation_and_lifts_above_it() {
     }
 }
 
-fn displacement(coupling: &Coupling, grains: &InitialGrains) -> f64 {
-    coupling
-        .grains
-        .position
+fn displacement(coupling: &Simulation<2, 3>, grains: &InitialGrains) -> f64 {
+    numbers(&coupling.state.grains.position)
         .iter()
         .zip(&grains.position)
         .map(|(x, start)| (x - start).abs())

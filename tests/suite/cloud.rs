@@ -1,8 +1,13 @@
 //! Falling clouds against an independent spectral solution and an independent two-fluid solver.
 
-use coupler::coupling::{Coupling, StepReport};
+use coupler::coupled::setting::Deferred;
+use coupler::report::StepReport;
+use coupler::simulation::Simulation;
+use coupler::state::Contact;
+use coupler::system::System;
 use protocol::engine::InitialGrains;
 use protocol::scene::{CouplerScene, Scheme};
+use space::flat::numbers;
 use tests::grains::{Noise, disks, sunflower};
 use tests::reference::{number, rows};
 use tests::{box_walls, couple, fluid, mean, orders, particles, pressure, scene};
@@ -94,8 +99,8 @@ impl Cloud {
     }
 }
 
-fn advance(coupling: &mut Coupling, dt: f64) -> StepReport {
-    let step = coupling.step + 1;
+fn advance(coupling: &mut Simulation<2, 3>, dt: f64) -> StepReport {
+    let step = coupling.state.step + 1;
     coupling
         .advance(dt)
         .unwrap_or_else(|error| panic!("step {step}: {error}"))
@@ -122,7 +127,7 @@ fn the_first_fall_velocity_of_a_creeping_cloud_converges_to_the_spectral_solutio
         for _ in 0..4 {
             report = advance(&mut coupling, dt);
         }
-        let speed = -mean(&coupling.grains.velocity, 1) / cloud.speed_unit();
+        let speed = -mean(numbers(&coupling.state.grains.velocity), 1) / cloud.speed_unit();
         let error = (speed / reference - 1.0).abs();
         println!(
             "| R/{cells} | {speed:.5} | {:.2} % | {:.0e} | {} |",
@@ -185,14 +190,19 @@ fn loose_cloud(cells_per_radius: usize, lambda: Option<f64>, correction: bool) -
     };
     let steps = cells_per_radius * cells_per_radius / 4; // the same time on every mesh
     let mut coupling = couple(scene, &grains);
-    coupling.options.lambda = lambda;
-    coupling.options.deferred_correction = correction;
-    coupling.options.lagged_correction = !correction;
+    let System::Coupled(coupled) = &mut coupling.system else {
+        unreachable!("the fluid feels the grains")
+    };
+    coupled.policy.free = lambda.unwrap_or(1.0);
+    coupled.deferred = match correction {
+        true => Deferred::Converged,
+        false => Deferred::LeftOut,
+    };
     let mut passes = 0;
     for _ in 0..steps {
         passes += advance(&mut coupling, dt).passes;
     }
-    let velocity = coupling.grains.velocity.clone();
+    let velocity = numbers(&coupling.state.grains.velocity).to_vec();
     (velocity, f64::from(passes) / steps as f64)
 }
 
@@ -214,7 +224,7 @@ fn dense_clouds_fall_faster_by_the_viscosity_of_their_porosity() {
         for _ in 0..4 {
             advance(&mut coupling, dt);
         }
-        let speed = -mean(&coupling.grains.velocity, 1) / cloud.speed_unit();
+        let speed = -mean(numbers(&coupling.state.grains.velocity), 1) / cloud.speed_unit();
         let ratio = speed / (0.242_119 * factor);
         println!("| {solid_fraction} | {speed:.5} | {ratio:.4} |");
         assert!((ratio - 1.0).abs() < 0.025, "c {solid_fraction}: {ratio}");
@@ -239,8 +249,8 @@ fn a_cloud_of_the_papers_grains_is_stable_in_one_pass_for_any_step() {
         let mut coupling = couple(scene, &grains);
         for index in 1..=count {
             let report = advance(&mut coupling, dt);
-            let speed = -mean(&coupling.grains.velocity, 1) / cloud.speed_unit();
-            let stiffness = 11.52 * VISCOSITY * dt / coupling.grains.mass[0];
+            let speed = -mean(numbers(&coupling.state.grains.velocity), 1) / cloud.speed_unit();
+            let stiffness = 11.52 * VISCOSITY * dt / coupling.state.grains.mass[0];
             if index == count || index == 1 {
                 let budget = report.budget;
                 println!(
@@ -278,8 +288,9 @@ fn the_energy_of_a_cloud_run_is_accounted_for_and_what_the_transfer_loses_falls_
         for index in 1..=12 {
             let budget = advance(&mut coupling, dt).budget;
             let fluid = |name: &str| {
-                let diagnostics = &coupling.fluid.as_ref().expect("a fluid").diagnostics;
-                coupler::engines::value(diagnostics, name).expect("a power") / budget.gravity_power
+                let diagnostics = &coupling.system.fluid().expect("a fluid").diagnostics;
+                coupler::seats::request::value(diagnostics, name).expect("a power")
+                    / budget.gravity_power
             };
             let (viscous, stabilisation) = (fluid("viscous_power"), fluid("stabilisation_power"));
             if index == 1 || index % 4 == 0 {
@@ -328,18 +339,19 @@ fn a_stiff_cloud_that_collides_takes_few_passes_and_falls_as_with_many() {
         let start = mean(&grains.position, 1);
         let mut coupling = couple(scene, &grains);
         let (mut passes, mut contacts) = (0, 0);
-        let stiffness = 11.52 * VISCOSITY * 0.4_f64.powf(-2.8) * dt / coupling.grains.mass[0];
+        let stiffness = 11.52 * VISCOSITY * 0.4_f64.powf(-2.8) * dt / coupling.state.grains.mass[0];
         for _ in 0..12 {
             passes += advance(&mut coupling, dt).passes;
             contacts += coupling
+                .state
                 .grains
                 .contact
                 .iter()
-                .filter(|&&state| state > 0.0)
+                .filter(|&&state| state > Contact::Free)
                 .count();
         }
         (
-            (start - mean(&coupling.grains.position, 1)) / cloud.radius,
+            (start - mean(numbers(&coupling.state.grains.position), 1)) / cloud.radius,
             f64::from(passes) / 12.0,
             contacts as f64 / 12.0,
             stiffness,
@@ -384,7 +396,7 @@ fn the_showcase_follows_the_independent_two_fluid_solution() {
     for index in 1..=375 {
         advance(&mut coupling, dt);
         let time = 0.4 * f64::from(index);
-        let speed = -mean(&coupling.grains.velocity, 1) / cloud.speed_unit();
+        let speed = -mean(numbers(&coupling.state.grains.velocity), 1) / cloud.speed_unit();
         if speed > fastest.1 {
             fastest = (time, speed);
         }
@@ -405,7 +417,7 @@ fn the_showcase_follows_the_independent_two_fluid_solution() {
         else {
             continue;
         };
-        let fall = (start - mean(&coupling.grains.position, 1)) / cloud.radius;
+        let fall = (start - mean(numbers(&coupling.state.grains.position), 1)) / cloud.radius;
         let width = width(&coupling) / cloud.radius;
         let [fall_ref, speed_ref, width_ref] = [4, 8, 12].map(|column| number(row, column));
         println!(
@@ -436,8 +448,8 @@ fn the_showcase_follows_the_independent_two_fluid_solution() {
     assert_eq!(lobes, 2);
 }
 
-fn width(coupling: &Coupling) -> f64 {
-    let x = coupling.grains.position.iter().step_by(2);
+fn width(coupling: &Simulation<2, 3>) -> f64 {
+    let x = numbers(&coupling.state.grains.position).iter().step_by(2);
     x.clone().fold(f64::NEG_INFINITY, |a, &b| a.max(b)) - x.fold(f64::INFINITY, |a, &b| a.min(b))
 }
 
@@ -447,14 +459,17 @@ fn width(coupling: &Coupling) -> f64 {
 /// The overpressure of a column of nodes is its largest value there. Near the splitting it is flat over
 /// more than a radius, so that where its maximum lies is a matter of a thousandth; the sign of the
 /// curvature of a parabola through all columns within R is not.
-fn overpressure(coupling: &mut Coupling, cloud: &Cloud) -> (f64, f64) {
+fn overpressure(coupling: &mut Simulation<2, 3>, cloud: &Cloud) -> (f64, f64) {
     let pressure = pressure(coupling);
-    let seat = coupling.fluid.as_ref().expect("a fluid");
-    let heights = coupling.grains.position.iter().skip(1).step_by(2);
-    let centre = mean(&coupling.grains.position, 1);
+    let seat = coupling.system.fluid().expect("a fluid");
+    let heights = numbers(&coupling.state.grains.position)
+        .iter()
+        .skip(1)
+        .step_by(2);
+    let centre = mean(numbers(&coupling.state.grains.position), 1);
     let below = heights.fold(f64::INFINITY, |a, &b| a.min(b)) - 2.0 * cloud.radius;
     let mut columns = std::collections::BTreeMap::<i64, f64>::new();
-    for (node, pressure) in seat.mesh.node_position.chunks_exact(2).zip(&pressure) {
+    for (node, pressure) in seat.mesh.node_position.iter().zip(&pressure) {
         if (below..centre + cloud.radius).contains(&node[1]) {
             let column = (node[0] / cloud.radius * cloud.cells_per_radius as f64).round() as i64;
             let over = pressure + cloud.density * cloud.gravity * node[1];
@@ -484,9 +499,9 @@ fn overpressure(coupling: &mut Coupling, cloud: &Cloud) -> (f64, f64) {
 }
 
 /// Peaks of the density of grains across the box, in bins of half a radius, smoothed.
-fn lobe_count(coupling: &Coupling, cloud: &Cloud) -> usize {
+fn lobe_count(coupling: &Simulation<2, 3>, cloud: &Cloud) -> usize {
     let mut bins = [0.0_f64; 40];
-    for x in coupling.grains.position.iter().step_by(2) {
+    for x in numbers(&coupling.state.grains.position).iter().step_by(2) {
         let bin = ((x / cloud.radius + 10.0) / 0.5).clamp(0.0, 39.0) as usize;
         bins[bin] += 1.0;
     }

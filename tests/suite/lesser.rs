@@ -1,6 +1,6 @@
 //! Engines that can do less: the coupler makes up for it, with more passes and the same answer.
 
-use coupler::coupling::Coupling;
+use coupler::simulation::Simulation;
 use fluid_solver::serve::Engine as Fluid;
 use particle_solver::serve::Engine as Particles;
 use protocol::engine::{
@@ -10,6 +10,7 @@ use protocol::engine::{
 use protocol::local::{spawn_fluid, spawn_particles};
 use protocol::message::{Advance, Capability, Diagnostic, Failure};
 use protocol::scene::{CouplerScene, FluidScene, ParticleScene, Scheme};
+use space::flat::numbers;
 use std::path::Path;
 use tests::grains::{disks, sunflower};
 use tests::{box_walls, fluid, mean, particles, scene};
@@ -130,7 +131,7 @@ fn run(scene: &CouplerScene, grains: &InitialGrains, plain: bool, silent: bool) 
         false => spawn_particles(Particles::default),
     };
     let (fluid, particles) = (fluid.expect("a fluid"), particles.expect("grains"));
-    let mut coupling = Coupling::new(scene.clone(), Some(fluid), Some(particles), grains)
+    let mut coupling = Simulation::<2, 3>::new(scene.clone(), Some(fluid), Some(particles), grains)
         .unwrap_or_else(|error| panic!("{error}"));
     let steps = (scene.end_time / scene.coupling_step).round() as usize;
     let (mut passes, mut third_law) = (0, 0.0_f64);
@@ -141,7 +142,11 @@ fn run(scene: &CouplerScene, grains: &InitialGrains, plain: bool, silent: bool) 
         passes = passes.max(report.passes);
         third_law = third_law.max(report.budget.third_law_defect);
     }
-    (-mean(&coupling.grains.velocity, 1), passes, third_law)
+    (
+        -mean(numbers(&coupling.state.grains.velocity), 1),
+        passes,
+        third_law,
+    )
 }
 
 #[test]

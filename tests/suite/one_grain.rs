@@ -1,9 +1,10 @@
 //! One grain in fluid at rest that does not feel it: the drag law and its time scheme alone.
 
-use coupler::coupling::Coupling;
+use coupler::simulation::Simulation;
 use coupler::transfer::Transfer;
 use protocol::engine::InitialGrains;
 use protocol::scene::{CouplerScene, Geometry};
+use space::flat::numbers;
 use tests::reference::{number, rows};
 use tests::{couple, fluid, orders, particles, scene};
 
@@ -110,19 +111,14 @@ fn the_steady_slip_of_every_material_is_the_closed_form_for_any_step() {
 }
 
 /// Vertical velocity of the grain relative to the fluid around it, which is at rest to round-off.
-fn slip(coupling: &Coupling) -> f64 {
-    let transfer = Transfer::new(&coupling.fluid.as_ref().expect("a fluid").mesh, 0.0, 1.0)
+fn slip(coupling: &Simulation<2, 3>) -> f64 {
+    let transfer = Transfer::new(&coupling.system.fluid().expect("a fluid").mesh, 0.0, 1.0)
         .expect("a transfer");
-    let middle: Vec<f64> = coupling
-        .grains
-        .position
-        .iter()
-        .zip(&coupling.grains.velocity)
-        .map(|(x, v)| x - 0.5 * coupling.scene().coupling_step * v)
-        .collect();
-    let placement = transfer.place(&middle).expect("inside");
-    transfer.sample_vector(&placement, &coupling.fluid_state.velocity)[1]
-        - coupling.grains.velocity[1]
+    let grains = &coupling.state.grains;
+    let back = 0.5 * coupling.scene.coupling_step;
+    let middle = grains.position[0] - grains.velocity[0] * back;
+    let placement = transfer.place(&[middle]).expect("inside");
+    transfer.sample(&placement, &coupling.state.flow.velocity)[0][1] - grains.velocity[0][1]
 }
 
 #[test]
@@ -154,7 +150,7 @@ fn the_start_from_rest_is_first_order_in_the_step() {
                     .advance(dt)
                     .unwrap_or_else(|error| panic!("{error}"));
             }
-            let found = -coupling.grains.velocity[1];
+            let found = -numbers(&coupling.state.grains.velocity)[1];
             table.push((dt, (found - speed).abs() / material.terminal_speed.abs()));
         }
         let orders = orders(&table);

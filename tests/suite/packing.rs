@@ -1,8 +1,9 @@
 //! A random packing of disks in a box under a flow that is switched on: held, then lifted.
 
-use coupler::coupling::Coupling;
+use coupler::simulation::Simulation;
 use protocol::engine::InitialGrains;
 use protocol::scene::{Boundary, CouplerScene, ParticleScene, Profile, Scheme, Wall};
+use space::flat::numbers;
 use tests::grains::{Noise, disks, frozen, lattice};
 use tests::{couple, fluid, mean, particles, pressure, scene, with_boundaries};
 
@@ -53,14 +54,12 @@ fn packing(friction: f64) -> InitialGrains {
             .advance(dt)
             .unwrap_or_else(|error| panic!("packing, step {step}: {error}"));
     }
-    let speed = coupling
-        .grains
-        .velocity
+    let speed = numbers(&coupling.state.grains.velocity)
         .iter()
         .fold(0.0_f64, |max, v| max.max(v.abs()));
     println!("packing at friction {friction}: fastest grain {speed:.1e} m/s");
     assert!(speed < 1e-3, "the packing moves at {speed} m/s");
-    grains.position = coupling.grains.position.clone();
+    grains.position = numbers(&coupling.state.grains.position).to_vec();
     immersed(friction, grains)
 }
 
@@ -74,7 +73,7 @@ fn immersed(friction: f64, mut grains: InitialGrains) -> InitialGrains {
             .advance(dt)
             .unwrap_or_else(|error| panic!("immersed, step {step}: {error}"));
     }
-    grains.position = coupling.grains.position.clone();
+    grains.position = numbers(&coupling.state.grains.position).to_vec();
     grains
 }
 
@@ -116,15 +115,15 @@ fn through_flow(friction: f64, gravity: f64, speed: f64, dt: f64) -> CouplerScen
 }
 
 /// Pressure at the bottom without its hydrostatic part, over the packing's weight a width.
-fn carried_by_fluid(coupling: &mut Coupling, gravity: f64) -> f64 {
+fn carried_by_fluid(coupling: &mut Simulation<2, 3>, gravity: f64) -> f64 {
     let nodal = pressure(coupling);
-    let seat = coupling.fluid.as_ref().expect("a fluid");
+    let seat = coupling.system.fluid().expect("a fluid");
     let bottom: Vec<f64> = (0..nodal.len())
-        .filter(|node| seat.mesh.node_position[2 * node + 1] == 0.0)
+        .filter(|node| seat.mesh.node_position[*node][1] == 0.0)
         .map(|node| nodal[node])
         .collect();
     let excess = bottom.iter().sum::<f64>() / bottom.len() as f64 - DENSITY * gravity * HEIGHT;
-    let volume: f64 = coupling.grains.volume.iter().sum();
+    let volume: f64 = coupling.state.grains.volume.iter().sum();
     excess * WIDTH / (volume * (GRAIN_DENSITY - DENSITY) * gravity)
 }
 
@@ -167,15 +166,13 @@ fn a_random_packing_takes_a_flow_switched_on_below_and_above_fluidisation() {
                     passes.push(report.passes);
                     worst = worst.max(report.budget.momentum_defect);
                     fastest = fastest.max(
-                        coupling
-                            .grains
-                            .velocity
+                        numbers(&coupling.state.grains.velocity)
                             .iter()
                             .fold(0.0_f64, |max, v| max.max(v.abs())),
                     );
                 }
                 let carried = carried_by_fluid(&mut coupling, gravity);
-                let rise = mean(&coupling.grains.velocity, 1) / fluidisation;
+                let rise = mean(numbers(&coupling.state.grains.velocity), 1) / fluidisation;
                 println!(
                     "| {friction} | {ratio} | {stiffness:e} | {passes:?} | {carried:.4} | {rise:.3} | {worst:.1e} |"
                 );

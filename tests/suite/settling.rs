@@ -1,8 +1,11 @@
 //! Suspensions: fronts, rest, growth of a heavy layer, the deferred correction.
 
-use coupler::coupling::Coupling;
+use coupler::coupled::setting::Deferred;
+use coupler::simulation::Simulation;
+use coupler::system::System;
 use protocol::engine::InitialGrains;
 use protocol::scene::{Boundary, DragLaw, Scheme, Wall};
+use space::flat::numbers;
 use tests::grains::{Noise, disks, lattice};
 use tests::reference::{number, rows};
 use tests::{
@@ -72,13 +75,13 @@ fn the_settling_front_of_a_column_moves_at_the_kynch_speed() {
 }
 
 /// Highest level at which the deposited solid fraction of a column is `level` \[m\].
-fn front_height(coupling: &Coupling, level: f64) -> f64 {
-    let mesh = &coupling.fluid.as_ref().expect("a fluid").mesh;
-    let mut profile: Vec<(f64, f64)> = (0..coupling.porosity.len())
+fn front_height(coupling: &Simulation<2, 3>, level: f64) -> f64 {
+    let mesh = &coupling.system.fluid().expect("a fluid").mesh;
+    let mut profile: Vec<(f64, f64)> = (0..coupling.state.porosity.len())
         .map(|node| {
             (
-                mesh.node_position[2 * node + 1],
-                1.0 - coupling.porosity[node],
+                mesh.node_position[node][1],
+                1.0 - coupling.state.porosity[node],
             )
         })
         .collect();
@@ -114,9 +117,7 @@ fn neutral_grains_stay_at_rest_and_a_resting_bed_does_not_drift() {
             .advance(1e-2)
             .unwrap_or_else(|error| panic!("{error}"));
     }
-    let speed = coupling
-        .grains
-        .velocity
+    let speed = numbers(&coupling.state.grains.velocity)
         .iter()
         .fold(0.0_f64, |max, v| max.max(v.abs()));
     println!("neutral grains: largest speed after 50 steps {speed:.1e} m/s");
@@ -157,9 +158,7 @@ fn neutral_grains_stay_at_rest_and_a_resting_bed_does_not_drift() {
             .unwrap_or_else(|error| panic!("step {step}: {error}"))
             .passes;
     }
-    let drift = coupling
-        .grains
-        .position
+    let drift = numbers(&coupling.state.grains.position)
         .iter()
         .zip(&grains.position)
         .map(|(x, start)| (x - start).abs())
@@ -247,8 +246,8 @@ fn rayleigh_taylor(cells: usize, dt: f64) -> f64 {
             let amplitude: f64 = (0..grains.mass.len())
                 .filter(|&i| i < count)
                 .map(|i| {
-                    coupling.grains.velocity[2 * i + 1]
-                        * (wavenumber * coupling.grains.position[2 * i]).cos()
+                    numbers(&coupling.state.grains.velocity)[2 * i + 1]
+                        * (wavenumber * numbers(&coupling.state.grains.position)[2 * i]).cos()
                 })
                 .sum();
             samples.push((time, amplitude.abs().ln()));
@@ -332,13 +331,15 @@ fn jittered(stiffness: f64, steps: usize, correction: bool) -> f64 {
     scene.scheme = Scheme::Staggered;
     scene.smoothing_length = Some(0.0);
     let mut coupling = couple(scene, &grains);
-    coupling.options.deferred_correction = correction;
+    if let (System::Coupled(coupled), false) = (&mut coupling.system, correction) {
+        coupled.deferred = Deferred::LeftOut;
+    }
     for step in 1..=steps {
         coupling
             .advance(dt)
             .unwrap_or_else(|error| panic!("step {step}: {error}"));
     }
-    let velocity = &coupling.grains.velocity;
+    let velocity = numbers(&coupling.state.grains.velocity);
     let (mean_x, mean_y) = (mean(velocity, 0), mean(velocity, 1));
     let squares: f64 = velocity
         .chunks_exact(2)

@@ -1,7 +1,7 @@
 //! Drag laws: limits, references, properties.
 
 use coupler::drag::{Fluid, Shape, coefficient, implicit_slip_speed};
-use protocol::configure::{DragLaw, Geometry};
+use protocol::scene::{DragLaw, Geometry};
 
 const LAWS: [DragLaw; 7] = [
     DragLaw::Dallavalle,

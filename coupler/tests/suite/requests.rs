@@ -3,17 +3,17 @@
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
-use coupler::coupling::Coupling;
-use protocol::configure::{
-    Boundary, Convection, CouplerScene, Diagonals, DragLaw, FluidScene, Geometry, MeshSource,
-    Nonlinear, ParticleScene, Scheme, TimeScheme, ViscousForm,
-};
+use coupler::simulation::Simulation;
 use protocol::engine::{
     FluidAnswer, FluidEngine, FluidForces, GrainAnswer, InitialGrains, MeshDescription,
     ParticleEngine, SolidResponse,
 };
 use protocol::local::{LIMITS, spawn_fluid, spawn_particles};
-use protocol::messages::{Advance, Diagnostic, Failure};
+use protocol::message::{Advance, Diagnostic, Failure};
+use protocol::scene::{
+    Boundary, Convection, CouplerScene, Diagonals, DragLaw, FluidScene, Geometry, MeshSource,
+    Nonlinear, ParticleScene, Scheme, TimeScheme, ViscousForm,
+};
 
 /// Pass of every request, in order.
 type Asked = Arc<Mutex<Vec<u32>>>;
@@ -25,7 +25,7 @@ impl FluidEngine for Still {
     fn identity(&self) -> (&'static str, &'static str) {
         ("still", "0")
     }
-    fn capabilities(&self) -> Vec<protocol::messages::Capability> {
+    fn capabilities(&self) -> Vec<protocol::message::Capability> {
         Vec::new()
     }
     fn configure(&mut self, _: &FluidScene) -> Result<MeshDescription, Failure> {
@@ -73,8 +73,8 @@ impl ParticleEngine for Touching {
     fn identity(&self) -> (&'static str, &'static str) {
         ("touching", "0")
     }
-    fn capabilities(&self) -> Vec<protocol::messages::Capability> {
-        vec![protocol::messages::Capability::ContactState]
+    fn capabilities(&self) -> Vec<protocol::message::Capability> {
+        vec![protocol::message::Capability::ContactState]
     }
     fn configure(
         &mut self,
@@ -176,7 +176,7 @@ fn one_grain() -> InitialGrains {
     }
 }
 
-fn couple(scheme: Scheme, sub_steps: Option<f64>, asked: &Asked) -> Coupling {
+fn couple(scheme: Scheme, sub_steps: Option<f64>, asked: &Asked) -> Simulation<2, 3> {
     let asked = Arc::clone(asked);
     let particles = spawn_particles(move || Touching {
         asked,
@@ -185,7 +185,7 @@ fn couple(scheme: Scheme, sub_steps: Option<f64>, asked: &Asked) -> Coupling {
     });
     let fluid = spawn_fluid(|| Still).expect("a fluid");
     let particles = particles.expect("grains");
-    Coupling::new(scene(scheme), Some(fluid), Some(particles), &one_grain())
+    Simulation::new(scene(scheme), Some(fluid), Some(particles), &one_grain())
         .unwrap_or_else(|error| panic!("{error}"))
 }
 

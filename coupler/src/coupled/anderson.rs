@@ -89,29 +89,3 @@ fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_linear_map_of_four_unknowns_ends_within_six_iterations_even_where_plain_iteration_diverges()
-     {
-        let map = |x: &[f64]| -> Vec<f64> {
-            let factors = [-3.0, 0.5, 0.9, 0.99];
-            (0..4).map(|i| factors[i] * x[i] + 1.0 + i as f64).collect()
-        };
-        let mut anderson = Anderson::new(10, vec![1.0; 4]);
-        let mut x = vec![0.0; 4];
-        let mut residual = 0.0;
-        for iteration in 0..7 {
-            let image = map(&x);
-            residual = difference(&image, &x)
-                .iter()
-                .fold(0.0_f64, |max, value| max.max(value.abs()));
-            println!("{iteration} {residual:.3e}");
-            x = anderson.next(&x, &image);
-        }
-        assert!(residual < 1e-6, "residual {residual}");
-    }
-}

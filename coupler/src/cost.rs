@@ -1,0 +1,187 @@
+//! What steps cost, and sums and worst values over a run.
+
+use std::time::Instant;
+
+use protocol::message::Diagnostic;
+use protocol::process::cpu_seconds;
+use space::{Dim, Dimension};
+
+use crate::report::StepReport;
+use crate::seats::request::value;
+use crate::system::System;
+
+/// Diagnostic of both engines: wall time inside the engine since the last accepted step.
+const WALL: &str = "wall_seconds";
+/// The same of CPU time.
+const CPU: &str = "cpu_seconds";
+
+/// Times of one step \[s\].
+#[derive(Debug, Clone, Copy, Default)]
+pub struct StepCost {
+    /// Wall time of the step.
+    pub wall: f64,
+    /// CPU time of the fluid engine.
+    pub cpu_fluid: f64,
+    /// CPU time of the particle engine.
+    pub cpu_particles: f64,
+    /// CPU time of the coupler.
+    pub cpu_coupler: f64,
+    /// Wall time inside the fluid engine (S2).
+    pub wall_fluid: f64,
+    /// Wall time inside the particle engine (S4, S5).
+    pub wall_particles: f64,
+    /// Wall time waited for the engines beyond that: the exchange.
+    pub wall_exchange: f64,
+    /// Wall time of the coupler itself (S1, S3, S6).
+    pub wall_coupler: f64,
+}
+
+impl StepCost {
+    /// Name and value of each, in the order of `steps.csv`.
+    pub fn columns(&self) -> [(&'static str, f64); 8] {
+        [
+            ("wall", self.wall),
+            ("cpu_fluid", self.cpu_fluid),
+            ("cpu_particles", self.cpu_particles),
+            ("cpu_coupler", self.cpu_coupler),
+            ("wall_fluid", self.wall_fluid),
+            ("wall_particles", self.wall_particles),
+            ("wall_exchange", self.wall_exchange),
+            ("wall_coupler", self.wall_coupler),
+        ]
+    }
+}
+
+/// Measures one step.
+pub struct Meter {
+    begin: Instant,
+    cpu: f64,
+    waited: f64,
+}
+
+impl Meter {
+    /// The step begins.
+    pub fn start<const D: usize, const N: usize>(system: &System<D, N>) -> Meter
+    where
+        Dim<D>: Dimension<D>,
+    {
+        Meter {
+            begin: Instant::now(),
+            cpu: cpu_seconds(),
+            waited: waited(system),
+        }
+    }
+
+    /// The step is accepted. Engines count from the last accepted step on: passes and failed attempts
+    /// are in it.
+    pub fn stop<const D: usize, const N: usize>(&self, system: &System<D, N>) -> StepCost
+    where
+        Dim<D>: Dimension<D>,
+    {
+        let [(_, fluid), (_, particles)] = seats(system);
+        let of = |seat: &[Diagnostic], name| value(seat, name).unwrap_or(0.0);
+        let wall = self.begin.elapsed().as_secs_f64();
+        let waited = waited(system) - self.waited;
+        let (wall_fluid, wall_particles) = (of(fluid, WALL), of(particles, WALL));
+        StepCost {
+            wall,
+            cpu_fluid: of(fluid, CPU),
+            cpu_particles: of(particles, CPU),
+            cpu_coupler: cpu_seconds() - self.cpu,
+            wall_fluid,
+            wall_particles,
+            wall_exchange: waited - wall_fluid - wall_particles,
+            wall_coupler: wall - waited,
+        }
+    }
+}
+
+/// Name and diagnostics of both seats.
+fn seats<const D: usize, const N: usize>(
+    system: &System<D, N>,
+) -> [(&'static str, &[Diagnostic]); 2]
+where
+    Dim<D>: Dimension<D>,
+{
+    let fluid = system.fluid().map_or(&[][..], |seat| &seat.diagnostics);
+    let particles = system
+        .particles()
+        .map_or(&[][..], |seat| seat.diagnostics());
+    [("fluid", fluid), ("particles", particles)]
+}
+
+/// Wall time waited for the engines so far \[s\].
+fn waited<const D: usize, const N: usize>(system: &System<D, N>) -> f64
+where
+    Dim<D>: Dimension<D>,
+{
+    let fluid = system.fluid().map_or(0.0, |seat| seat.wall);
+    fluid + system.particles().map_or(0.0, |seat| seat.wall())
+}
+
+/// Sums and worst values over a run.
+#[derive(Default)]
+pub struct Totals {
+    /// By name.
+    pub named: Vec<Diagnostic>,
+}
+
+impl Totals {
+    /// Add an accepted step.
+    pub fn add<const D: usize, const N: usize>(
+        &mut self,
+        system: &System<D, N>,
+        report: &StepReport,
+        cost: &StepCost,
+    ) where
+        Dim<D>: Dimension<D>,
+    {
+        self.sum("steps", 1.0);
+        self.sum("passes", f64::from(report.passes));
+        for (name, seconds) in cost.columns() {
+            match name {
+                "wall" => self.sum("seconds_wall", seconds),
+                _ => self.sum(name, seconds),
+            }
+        }
+        let share = (self.get("wall_exchange") + self.get("wall_coupler"))
+            / self.get("seconds_wall").max(f64::MIN_POSITIVE);
+        self.update("coupling_share", share, |_, new| new);
+        for (seat, diagnostics) in seats(system) {
+            let phases = diagnostics
+                .iter()
+                .filter(|d| d.name.starts_with("seconds_"));
+            phases.for_each(|phase| self.sum(&format!("{seat}_{}", phase.name), phase.value));
+        }
+        let budget = &report.budget;
+        self.worst("volume_defect_max", budget.volume_defect);
+        self.worst("momentum_defect_max", budget.momentum_defect);
+        self.worst("third_law_defect_max", budget.third_law_defect);
+        self.worst("interaction_defect_max", report.interaction_defect);
+        self.worst("energy_defect_max", budget.energy_defect);
+        self.worst("transfer_loss_max", budget.transfer_loss.abs());
+        self.worst("passes_max", f64::from(report.passes));
+    }
+
+    fn sum(&mut self, name: &str, amount: f64) {
+        self.update(name, amount, |old, new| old + new);
+    }
+
+    fn worst(&mut self, name: &str, amount: f64) {
+        self.update(name, amount, f64::max);
+    }
+
+    fn update(&mut self, name: &str, amount: f64, combine: impl Fn(f64, f64) -> f64) {
+        match self.named.iter_mut().find(|total| total.name == name) {
+            Some(total) => total.value = combine(total.value, amount),
+            None => self.named.push(Diagnostic {
+                name: name.to_owned(),
+                value: amount,
+            }),
+        }
+    }
+
+    fn get(&self, name: &str) -> f64 {
+        value(&self.named, name).unwrap_or(0.0)
+    }
+}

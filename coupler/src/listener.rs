@@ -1,0 +1,121 @@
+//! Who follows a run: the orchestrator over its link, or, without one, who reads standard output.
+
+use protocol::field::Field;
+use protocol::message::Diagnostic;
+use protocol::monitor::MonitorSender;
+use protocol::runspace::RunSpace;
+use space::{Dim, Dimension, flat};
+
+use crate::error::CouplerError;
+use crate::seats::door::contact_numbers;
+use crate::simulation::Simulation;
+
+/// Hears of every step.
+pub enum Listener {
+    /// The orchestrator.
+    Orchestrator(Box<MonitorSender>),
+    /// One JSON object a step on standard output.
+    Output,
+}
+
+impl Listener {
+    /// Connect to the orchestrator of this run, if it has one.
+    pub fn connect(runspace: &RunSpace) -> Result<Listener, CouplerError> {
+        Ok(match MonitorSender::connect(runspace)? {
+            Some(sender) => Listener::Orchestrator(Box::new(sender)),
+            None => Listener::Output,
+        })
+    }
+
+    /// Coupling begins: who takes part, on what, and from which state.
+    pub fn started<const D: usize, const N: usize>(
+        &mut self,
+        simulation: &mut Simulation<D, N>,
+    ) -> Result<(), CouplerError>
+    where
+        Dim<D>: Dimension<D>,
+    {
+        if let Listener::Orchestrator(sender) = self {
+            let hellos = simulation.hellos();
+            let fluid = simulation.system.fluid();
+            let mesh = fluid.map(|seat| &seat.description);
+            sender.started(&hellos, mesh, &simulation.state.grains.radius)?;
+        }
+        self.snapshot(simulation)
+    }
+
+    /// One accepted step.
+    pub fn step(&mut self, columns: Vec<Diagnostic>) -> Result<(), CouplerError> {
+        match self {
+            Listener::Orchestrator(sender) => Ok(sender.step(columns)?),
+            Listener::Output => {
+                let number = |column: Diagnostic| (column.name, column.value.into());
+                let object = columns.into_iter().map(number).collect();
+                println!("{}", serde_json::Value::Object(object));
+                Ok(())
+            }
+        }
+    }
+
+    /// The state as it is put out, with what is read only here.
+    pub fn snapshot<const D: usize, const N: usize>(
+        &mut self,
+        simulation: &mut Simulation<D, N>,
+    ) -> Result<(), CouplerError>
+    where
+        Dim<D>: Dimension<D>,
+    {
+        let Listener::Orchestrator(sender) = self else {
+            return Ok(());
+        };
+        simulation.fetch_contacts()?;
+        let state = &simulation.state;
+        let contact = contact_numbers(&state.grains.contact);
+        let mut fields: Vec<(Field, &[f64])> = Vec::new();
+        let (fluid, particles) = simulation.system.seats_mut();
+        if let Some(seat) = fluid {
+            let velocity = flat::numbers(&state.flow.velocity);
+            fields.push((Field::InterstitialVelocity, velocity));
+            fields.push((Field::Pressure, seat.pressure()?));
+            fields.push((Field::Porosity, &state.porosity));
+        }
+        if particles.is_some() {
+            let grains = &state.grains;
+            fields.push((Field::GrainPosition, flat::numbers(&grains.position)));
+            fields.push((Field::GrainVelocity, flat::numbers(&grains.velocity)));
+            fields.push((Field::GrainContact, &contact));
+        }
+        Ok(sender.snapshot(state.step, state.time, &fields)?)
+    }
+
+    /// The recording ended before the run.
+    pub fn recording_ended(&mut self, why: &str) -> Result<(), CouplerError> {
+        match self {
+            Listener::Orchestrator(sender) => Ok(sender.recording_ended(why)?),
+            Listener::Output => Ok(()),
+        }
+    }
+
+    /// Was a stop asked for?
+    pub fn stop_requested(&mut self) -> bool {
+        match self {
+            Listener::Orchestrator(sender) => sender.stop_requested(),
+            Listener::Output => false,
+        }
+    }
+
+    /// The run ended, early with an error; totals up to here.
+    pub fn ended(
+        &mut self,
+        error: Option<&CouplerError>,
+        totals: Vec<Diagnostic>,
+    ) -> Result<(), CouplerError> {
+        let Listener::Orchestrator(sender) = self else {
+            return Ok(());
+        };
+        match error {
+            None => Ok(sender.finished(totals)?),
+            Some(error) => Ok(sender.stopped(error.exit_code(), &error.to_string(), totals)?),
+        }
+    }
+}

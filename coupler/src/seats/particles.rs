@@ -1,0 +1,208 @@
+//! The particle engine's seat.
+
+use std::time::Instant;
+
+use protocol::engine::InitialGrains;
+use protocol::field::Field;
+use protocol::message::{Capability, Diagnostic};
+use protocol::partner::Partner;
+use protocol::scene::ParticleScene;
+use space::{Vector, flat};
+
+use crate::error::CouplerError;
+use crate::seats::door::{self, can, withhold};
+use crate::seats::request::{Request, value};
+use crate::state::{Candidate, Contact, Grains};
+
+/// What the fluid does to the grains.
+#[derive(Debug, Clone, Copy)]
+pub struct Forces<'a, const D: usize> {
+    /// γ \[kg/s\]
+    pub drag: &'a [f64],
+    /// q = γ v_f − V∇p \[N\]
+    pub force: &'a [Vector<D>],
+}
+
+impl<'a, const D: usize> Forces<'a, D> {
+    /// Of these coefficients and forces.
+    pub fn new(drag: &'a [f64], force: &'a [Vector<D>]) -> Forces<'a, D> {
+        Forces { drag, force }
+    }
+}
+
+/// Who moves the grains.
+pub enum ParticleSeat<const D: usize> {
+    /// An engine.
+    Engine(Box<Engine>),
+    /// Nobody: all are fixed, at these places.
+    Fixed(Vec<Vector<D>>),
+}
+
+/// A particle engine that has been configured.
+pub struct Engine {
+    partner: Partner,
+    /// Fields that it keeps back until somebody reads them.
+    withheld: Vec<Field>,
+    /// Contact residual asked of it, of |g|Δt.
+    tolerance: f64,
+    /// Numbers of the last candidate.
+    diagnostics: Vec<Diagnostic>,
+    /// Wall time waited for it \[s\].
+    wall: f64,
+}
+
+impl<const D: usize> ParticleSeat<D> {
+    /// Configure an engine that has said hello, and let it keep back what is not read in every pass;
+    /// with the grains that it runs. `tolerance`: of its contact solve.
+    pub fn new(
+        mut partner: Partner,
+        scene: &ParticleScene,
+        grains: &InitialGrains,
+        unread: &[Field],
+        tolerance: f64,
+    ) -> Result<(ParticleSeat<D>, Grains<D>), CouplerError> {
+        let told = partner.configure_particles(scene, grains)?;
+        let engine = Engine {
+            withheld: withhold(&mut partner, unread)?,
+            partner,
+            tolerance,
+            diagnostics: Vec::new(),
+            wall: 0.0,
+        };
+        Ok((ParticleSeat::Engine(Box::new(engine)), door::grains(&told)?))
+    }
+
+    /// Grains that stay where they are, without an engine.
+    pub fn fixed(grains: &InitialGrains) -> Result<(ParticleSeat<D>, Grains<D>), CouplerError> {
+        let mut grains = door::grains::<D>(grains)?;
+        grains.velocity.fill(Vector::zeros());
+        grains.mean_velocity.fill(Vector::zeros());
+        Ok((ParticleSeat::Fixed(grains.position.clone()), grains))
+    }
+
+    /// Does it tell which grains a wall holds?
+    pub fn tells_contacts(&self) -> bool {
+        let engine = self.engine();
+        engine.is_none_or(|partner| can(partner, Capability::ContactState))
+    }
+
+    /// The engine behind the seat, if there is one.
+    pub fn engine(&self) -> Option<&Partner> {
+        match self {
+            ParticleSeat::Engine(engine) => Some(&engine.partner),
+            ParticleSeat::Fixed(_) => None,
+        }
+    }
+
+    /// The same, to speak with.
+    pub fn partner(&mut self) -> Option<&mut Partner> {
+        match self {
+            ParticleSeat::Engine(engine) => Some(&mut engine.partner),
+            ParticleSeat::Fixed(_) => None,
+        }
+    }
+
+    /// Numbers of the last candidate.
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        match self {
+            ParticleSeat::Engine(engine) => &engine.diagnostics,
+            ParticleSeat::Fixed(_) => &[],
+        }
+    }
+
+    /// Wall time waited for the engine so far \[s\].
+    pub fn wall(&self) -> f64 {
+        match self {
+            ParticleSeat::Engine(engine) => engine.wall,
+            ParticleSeat::Fixed(_) => 0.0,
+        }
+    }
+
+    /// Free velocities and contacts (S4, S5) under the fluid's forces; without them the grains are dry.
+    /// `sub_steps` 0 lets the engine choose.
+    pub fn advance(
+        &mut self,
+        request: &Request,
+        forces: Option<Forces<'_, D>>,
+        sub_steps: u32,
+    ) -> Result<Candidate<D>, CouplerError> {
+        match self {
+            ParticleSeat::Engine(engine) => engine.advance(request, forces, sub_steps),
+            ParticleSeat::Fixed(position) => Ok(stay(position)),
+        }
+    }
+
+    /// Contact states of the accepted step, if they did not come with it.
+    pub fn withheld_contact(&mut self, step: u64) -> Result<Option<Vec<Contact>>, CouplerError> {
+        match self {
+            ParticleSeat::Engine(engine) if !engine.withheld.is_empty() => {
+                let mut contact = Vec::new();
+                engine
+                    .partner
+                    .tell(&mut [(Field::GrainContact, &mut contact)])?;
+                door::contacts(&contact, step).map(Some)
+            }
+            _ => Ok(None),
+        }
+    }
+}
+
+impl Engine {
+    fn advance<const D: usize>(
+        &mut self,
+        request: &Request,
+        forces: Option<Forces<'_, D>>,
+        sub_steps: u32,
+    ) -> Result<Candidate<D>, CouplerError> {
+        let begin = Instant::now();
+        let inputs: Vec<(Field, &[f64])> = forces.map_or_else(Vec::new, |forces| {
+            let force = flat::numbers(forces.force);
+            vec![(Field::GrainDrag, forces.drag), (Field::GrainForce, force)]
+        });
+        let [mut position, mut velocity, mut mean, mut contact] = [const { Vec::new() }; 4];
+        let mut outputs = vec![
+            (Field::GrainPosition, &mut position),
+            (Field::GrainVelocity, &mut velocity),
+            (Field::GrainMeanVelocity, &mut mean),
+            (Field::GrainContact, &mut contact),
+        ];
+        outputs.retain(|(field, _)| !self.withheld.contains(field));
+        let advance = request.advance(sub_steps, self.tolerance);
+        let done = self.partner.advance(&advance, &inputs, &mut outputs)?;
+        self.diagnostics = done.diagnostics;
+        let candidate = Candidate {
+            position: door::vectors(&position, "grain_position")?,
+            velocity: door::vectors(&velocity, "grain_velocity")?,
+            mean_velocity: door::vectors(&mean, "grain_mean_velocity")?,
+            contact: door::contacts(&contact, request.step)?,
+            sub_steps: self.sub_steps(request.step)?,
+        };
+        self.wall += begin.elapsed().as_secs_f64();
+        Ok(candidate)
+    }
+
+    /// Sub-steps of a candidate: the response that the fluid is told is a mean over them, so an engine
+    /// must say how many it took.
+    fn sub_steps(&self, step: u64) -> Result<u32, CouplerError> {
+        match value(&self.diagnostics, "sub_steps") {
+            Some(count) if count >= 1.0 => Ok(count as u32),
+            told => Err(CouplerError::SubSteps {
+                engine: self.partner.hello().engine.clone(),
+                step,
+                told: told.map_or("nothing".to_owned(), |count| format!("{count}")),
+            }),
+        }
+    }
+}
+
+/// What an engine would answer for grains that are all fixed.
+fn stay<const D: usize>(position: &[Vector<D>]) -> Candidate<D> {
+    let rest = vec![Vector::zeros(); position.len()];
+    Candidate {
+        position: position.to_vec(),
+        velocity: rest.clone(),
+        mean_velocity: rest,
+        contact: vec![Contact::Held; position.len()],
+        sub_steps: 1,
+    }
+}

@@ -1,0 +1,185 @@
+//! From a scene and its engines to the system that is run and the state it starts from.
+
+use protocol::engine::InitialGrains;
+use protocol::message::Role;
+use protocol::partner::Partner;
+use protocol::scene::{CouplerScene, FluidScene, Geometry, ParticleScene, Scheme, Wall};
+use space::{Dim, Dimension, Vector};
+
+use crate::alone::{Dry, FluidAlone};
+use crate::coupled::engines::Engines;
+use crate::coupled::lambda::Policy;
+use crate::coupled::proximity::Proximity;
+use crate::coupled::setting::Deferred;
+use crate::coupled::step::Coupled;
+use crate::drag::laws::Fluid;
+use crate::error::CouplerError;
+use crate::immersion::{Immersion, shapes, smoothing_length};
+use crate::one_way::OneWay;
+use crate::seats::door;
+use crate::seats::fluid::FluidSeat;
+use crate::seats::particles::ParticleSeat;
+use crate::state::{Flow, Grains, State};
+use crate::system::System;
+use crate::transfer::deposit::Transfer;
+use crate::transfer::mesh::Mesh;
+
+/// Contact residual wished for, of the tolerance of the passes: errors of all contacts below a grain
+/// add up in it, so a held bed is as still as its contact solve is exact.
+const CONTACT_SHARE: f64 = 0.001;
+
+/// Configure the engines and take over their initial state.
+pub fn begin<const D: usize, const N: usize>(
+    scene: &CouplerScene,
+    fluid: Option<Partner>,
+    particles: Option<Partner>,
+    grains: &InitialGrains,
+) -> Result<(System<D, N>, State<D>), CouplerError>
+where
+    Dim<D>: Dimension<D>,
+{
+    let fluid = match (fluid, &scene.fluid) {
+        (Some(partner), Some(part)) => {
+            let seat = FluidSeat::new(partner, part, scene.unread(Role::Fluid))?;
+            Some((seat, part))
+        }
+        _ => None,
+    };
+    let particles = match (particles, &scene.particles) {
+        (Some(partner), Some(part)) => {
+            let (unread, tolerance) = (scene.unread(Role::Particles), tolerance(scene, part));
+            let seated = ParticleSeat::new(partner, part, grains, unread, tolerance)?;
+            Some((seated, part))
+        }
+        (None, Some(part)) if scene.grains_stay => Some((ParticleSeat::fixed(grains)?, part)),
+        _ => None,
+    };
+    match (fluid, particles) {
+        (Some(fluid), Some(particles)) => immersed(scene, fluid, particles),
+        (Some((fluid, part)), None) => {
+            let porosity = vec![1.0; fluid.mesh.nodal_mass.len()];
+            let state = state(Grains::default(), at_start(part, &porosity)?, porosity);
+            Ok((System::FluidAlone(Box::new(FluidAlone { fluid })), state))
+        }
+        (None, Some(((particles, grains), _))) => {
+            let state = state(grains, Flow::default(), Vec::new());
+            Ok((System::Dry(Dry { particles }), state))
+        }
+        (None, None) => Err(CouplerError::Nothing),
+    }
+}
+
+/// Grains in a fluid.
+fn immersed<const D: usize, const N: usize>(
+    scene: &CouplerScene,
+    (fluid, part): (FluidSeat<D, N>, &FluidScene),
+    ((particles, grains), walls): ((ParticleSeat<D>, Grains<D>), &ParticleScene),
+) -> Result<(System<D, N>, State<D>), CouplerError>
+where
+    Dim<D>: Dimension<D>,
+{
+    let immersion = immersion(scene, part, &fluid.mesh, &grains.radius)?;
+    let porosity = match scene.reaction {
+        true => immersion.porosity(&grains, &immersion.place(&grains, 0.0)?)?,
+        false => vec![1.0; immersion.transfer.node_count()],
+    };
+    let state = state(grains, at_start(part, &porosity)?, porosity);
+    if !scene.reaction {
+        let system = OneWay {
+            fluid,
+            particles,
+            immersion,
+        };
+        return Ok((System::OneWay(Box::new(system)), state));
+    }
+    let policy = Policy {
+        free: 1.0,
+        contacts_told: particles.tells_contacts(),
+    };
+    let deferred = match fluid.takes_affine_response() {
+        true => Deferred::Lagged,
+        false => Deferred::Converged,
+    };
+    let system = Coupled {
+        engines: Engines::new(fluid, particles, proximity(walls)?),
+        immersion,
+        scheme: scene.scheme,
+        policy,
+        deferred,
+    };
+    Ok((System::Coupled(Box::new(system)), state))
+}
+
+/// Grains of these radii \[m\] in the fluid of a scene.
+fn immersion<const D: usize, const N: usize>(
+    scene: &CouplerScene,
+    part: &FluidScene,
+    mesh: &Mesh<D, N>,
+    radii: &[f64],
+) -> Result<Immersion<D, N>, CouplerError>
+where
+    Dim<D>: Dimension<D>,
+{
+    let automatic = smoothing_length(radii, mesh.smallest_cell());
+    let length = scene.smoothing_length.unwrap_or(automatic);
+    let depth = match scene.geometry {
+        Geometry::Disk => 1.0,
+        Geometry::Sphere { depth } => depth,
+    };
+    Ok(Immersion {
+        transfer: Transfer::new(mesh, length, depth)?,
+        fluid: Fluid {
+            density: part.density,
+            dynamic_viscosity: part.dynamic_viscosity,
+        },
+        gravity: door::vector(&scene.gravity, "gravity")?,
+        law: scene.drag,
+        shapes: shapes(scene.geometry, radii),
+    })
+}
+
+fn state<const D: usize>(grains: Grains<D>, flow: Flow<D>, porosity: Vec<f64>) -> State<D> {
+    State {
+        grains,
+        flow,
+        porosity,
+        ..State::default()
+    }
+}
+
+/// Fluid at its initial velocity, pressure hydrostatic.
+fn at_start<const D: usize>(part: &FluidScene, porosity: &[f64]) -> Result<Flow<D>, CouplerError> {
+    let superficial: Vector<D> = door::vector(&part.initial_velocity, "initial_velocity")?;
+    let gravity: Vector<D> = door::vector(&part.gravity, "gravity")?;
+    Ok(Flow {
+        velocity: porosity.iter().map(|phi| superficial / *phi).collect(),
+        pressure_gradient: vec![gravity * part.density; porosity.len()],
+    })
+}
+
+/// Contact residual asked for: that of the scene, and well below the defect that ends the passes,
+/// which could not be reached otherwise.
+fn tolerance(scene: &CouplerScene, part: &ParticleScene) -> f64 {
+    match scene.scheme {
+        Scheme::Iterated { tolerance, .. } if scene.fluid.is_some() => {
+            part.tolerance.min(CONTACT_SHARE * tolerance)
+        }
+        _ => part.tolerance,
+    }
+}
+
+/// Walls and periods that grains may meet.
+fn proximity<const D: usize>(scene: &ParticleScene) -> Result<Proximity<D>, CouplerError> {
+    let corners = |wall: &Wall| -> Result<[Vector<D>; D], CouplerError> {
+        let corners = [
+            door::vector(&wall.a, "wall")?,
+            door::vector(&wall.b, "wall")?,
+        ];
+        <[Vector<D>; D]>::try_from(&corners[..])
+            .map_err(|_| door::wrong_count("wall", corners.len(), D))
+    };
+    Ok(Proximity {
+        walls: scene.walls.iter().map(corners).collect::<Result<_, _>>()?,
+        period: door::period(&scene.period)?,
+    })
+}

@@ -1,0 +1,85 @@
+//! A run between two steps: the system, its accepted state, and how one step follows another.
+
+use protocol::engine::InitialGrains;
+use protocol::message::Hello;
+use protocol::partner::Partner;
+use protocol::scene::CouplerScene;
+use space::{Dim, Dimension, Vector};
+
+use crate::error::CouplerError;
+use crate::report::StepReport;
+use crate::seats::door;
+use crate::setup;
+use crate::state::State;
+use crate::system::System;
+
+/// A scene that is run.
+pub struct Simulation<const D: usize, const N: usize> {
+    /// The scene.
+    pub scene: CouplerScene,
+    /// g \[m/s²\]
+    pub gravity: Vector<D>,
+    /// Who computes.
+    pub system: System<D, N>,
+    /// The accepted state.
+    pub state: State<D>,
+}
+
+impl<const D: usize, const N: usize> Simulation<D, N>
+where
+    Dim<D>: Dimension<D>,
+{
+    /// Configure the engines and take over their initial state.
+    pub fn new(
+        scene: CouplerScene,
+        fluid: Option<Partner>,
+        particles: Option<Partner>,
+        grains: &InitialGrains,
+    ) -> Result<Simulation<D, N>, CouplerError> {
+        let (system, state) = setup::begin(&scene, fluid, particles, grains)?;
+        Ok(Simulation {
+            gravity: door::vector(&scene.gravity, "gravity")?,
+            scene,
+            system,
+            state,
+        })
+    }
+
+    /// Advance the accepted state by dt \[s\].
+    pub fn advance(&mut self, dt: f64) -> Result<StepReport, CouplerError> {
+        let report = self.system.advance(&mut self.state, dt)?;
+        let step = self.state.step + 1;
+        for partner in self.system.partners() {
+            partner.commit(step)?;
+        }
+        self.state.step = step;
+        self.state.time += dt;
+        Ok(report)
+    }
+
+    /// Who takes part.
+    pub fn hellos(&mut self) -> Vec<Hello> {
+        let partners = self.system.partners();
+        partners.map(|partner| partner.hello().clone()).collect()
+    }
+
+    /// Bring contact states up to the accepted state, where the engine keeps them back.
+    pub fn fetch_contacts(&mut self) -> Result<(), CouplerError> {
+        let step = self.state.step;
+        if let (_, Some(seat)) = self.system.seats_mut()
+            && step > 0
+            && let Some(contact) = seat.withheld_contact(step)?
+        {
+            self.state.grains.contact = contact;
+        }
+        Ok(())
+    }
+
+    /// The engines leave.
+    pub fn finish(&mut self) -> Result<(), CouplerError> {
+        for partner in self.system.partners() {
+            partner.finish()?;
+        }
+        Ok(())
+    }
+}

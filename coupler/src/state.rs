@@ -1,0 +1,139 @@
+//! The accepted state of a run, and what an engine answers before it is accepted.
+//!
+//! Struct of arrays: a value a grain, or a value a node.
+
+use space::Vector;
+
+use crate::error::CouplerError;
+
+/// How a grain touches others, from free to held.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Contact {
+    /// No active contact.
+    #[default]
+    Free,
+    /// An active contact.
+    Touches,
+    /// Force-connected to a wall or a fixed grain through active contacts.
+    Held,
+}
+
+/// Grains held by a wall, and other grains with an active contact.
+pub fn count_contacts(contact: &[Contact]) -> (usize, usize) {
+    let count = |of: Contact| contact.iter().filter(|&&own| own == of).count();
+    (count(Contact::Held), count(Contact::Touches))
+}
+
+/// The accepted grains.
+#[derive(Debug, Clone, Default)]
+pub struct Grains<const D: usize> {
+    /// xⁿ \[m\]
+    pub position: Vec<Vector<D>>,
+    /// vⁿ \[m/s\]
+    pub velocity: Vec<Vector<D>>,
+    /// v̄ of the last step \[m/s\]
+    pub mean_velocity: Vec<Vector<D>>,
+    /// Who touches; where the fluid does not feel the grains it is that of the last state put out.
+    pub contact: Vec<Contact>,
+    /// Mean contact force of the last step \[N\]
+    pub contact_force: Vec<Vector<D>>,
+    /// What the last step owes the fluid (`coupled/carry.rs`) \[N\]
+    pub carried_force: Vec<Vector<D>>,
+    /// m \[kg\]
+    pub mass: Vec<f64>,
+    /// V \[m³\]
+    pub volume: Vec<f64>,
+    /// Radii \[m\]
+    pub radius: Vec<f64>,
+    /// Never moves
+    pub fixed: Vec<bool>,
+}
+
+impl<const D: usize> Grains<D> {
+    /// Number of grains.
+    pub fn count(&self) -> usize {
+        self.mass.len()
+    }
+
+    /// Accept what the particle engine answered.
+    pub fn accept(&mut self, candidate: Candidate<D>) {
+        self.position = candidate.position;
+        self.velocity = candidate.velocity;
+        self.mean_velocity = candidate.mean_velocity;
+        if !candidate.contact.is_empty() {
+            self.contact = candidate.contact;
+        }
+    }
+}
+
+/// Nodal fields of the fluid, as the grains feel them.
+#[derive(Debug, Clone, Default)]
+pub struct Flow<const D: usize> {
+    /// w = u/φ \[m/s\]
+    pub velocity: Vec<Vector<D>>,
+    /// G = ℓ⁻¹∫N ∇p \[Pa/m\]
+    pub pressure_gradient: Vec<Vector<D>>,
+}
+
+/// The solid's response (`coupled/response.rs`): nodal fields that the fluid receives.
+#[derive(Debug, Clone, Default)]
+pub struct Response<const D: usize> {
+    /// φ
+    pub porosity: Vec<f64>,
+    /// β \[kg/(m³ s)\]
+    pub drag: Vec<f64>,
+    /// s \[N/m³\]
+    pub drag_source: Vec<Vector<D>>,
+    /// c
+    pub entrained_fraction: Vec<f64>,
+    /// j⁰ \[m/s\]
+    pub solid_flux: Vec<Vector<D>>,
+    /// κ \[m³ s/kg\]
+    pub solid_mobility: Vec<f64>,
+}
+
+/// What the particle engine answers.
+#[derive(Debug, Clone, Default)]
+pub struct Candidate<const D: usize> {
+    /// x at the end \[m\]
+    pub position: Vec<Vector<D>>,
+    /// v at the end \[m/s\]
+    pub velocity: Vec<Vector<D>>,
+    /// v̄ = (xⁿ⁺¹ − xⁿ)/Δt \[m/s\]
+    pub mean_velocity: Vec<Vector<D>>,
+    /// Who touches; empty where nobody reads it with every candidate
+    pub contact: Vec<Contact>,
+    /// Sub-steps used
+    pub sub_steps: u32,
+}
+
+/// All that a step starts from.
+#[derive(Debug, Clone, Default)]
+pub struct State<const D: usize> {
+    /// Accepted steps.
+    pub step: u64,
+    /// Accepted time \[s\].
+    pub time: f64,
+    /// Accepted grains; none in a scene without.
+    pub grains: Grains<D>,
+    /// Accepted nodal fields; no nodes in a scene without fluid.
+    pub flow: Flow<D>,
+    /// φ of the last accepted step.
+    pub porosity: Vec<f64>,
+}
+
+/// An error of this step where a component is not finite.
+pub fn require_finite<const D: usize>(
+    vectors: &[Vector<D>],
+    step: u64,
+    what: &str,
+) -> Result<(), CouplerError> {
+    let broken = |vector: &Vector<D>| !vector.iter().all(|component| component.is_finite());
+    match vectors.iter().position(broken) {
+        Some(place) => Err(CouplerError::NotFinite {
+            step,
+            what: format!("{what} (number {place})"),
+        }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,81 @@
+//! What is coupled with what, chosen once from the scene.
+
+use protocol::partner::Partner;
+use space::{Dim, Dimension};
+
+use crate::alone::{Dry, FluidAlone};
+use crate::coupled::step::Coupled;
+use crate::error::CouplerError;
+use crate::one_way::OneWay;
+use crate::report::StepReport;
+use crate::seats::fluid::FluidSeat;
+use crate::seats::particles::ParticleSeat;
+use crate::state::State;
+
+/// The parts of a run, and how they are coupled.
+pub enum System<const D: usize, const N: usize> {
+    /// Fluid and grains feel each other.
+    Coupled(Box<Coupled<D, N>>),
+    /// The fluid does not feel the grains.
+    OneWay(Box<OneWay<D, N>>),
+    /// No grains.
+    FluidAlone(Box<FluidAlone<D, N>>),
+    /// No fluid.
+    Dry(Dry<D>),
+}
+
+impl<const D: usize, const N: usize> System<D, N>
+where
+    Dim<D>: Dimension<D>,
+{
+    /// Advance the accepted state by dt \[s\]; an error leaves it as it is.
+    pub fn advance(&mut self, state: &mut State<D>, dt: f64) -> Result<StepReport, CouplerError> {
+        match self {
+            System::Coupled(system) => system.advance(state, dt),
+            System::OneWay(system) => system.advance(state, dt),
+            System::FluidAlone(system) => system.advance(state, dt),
+            System::Dry(system) => system.advance(state, dt),
+        }
+    }
+
+    /// The fluid's seat, where there is a fluid.
+    pub fn fluid(&self) -> Option<&FluidSeat<D, N>> {
+        match self {
+            System::Coupled(system) => Some(&system.engines.fluid),
+            System::OneWay(system) => Some(&system.fluid),
+            System::FluidAlone(system) => Some(&system.fluid),
+            System::Dry(_) => None,
+        }
+    }
+
+    /// The grains' seat, where there are grains.
+    pub fn particles(&self) -> Option<&ParticleSeat<D>> {
+        match self {
+            System::Coupled(system) => Some(&system.engines.particles),
+            System::OneWay(system) => Some(&system.particles),
+            System::FluidAlone(_) => None,
+            System::Dry(system) => Some(&system.particles),
+        }
+    }
+
+    /// Both seats, to speak with.
+    pub fn seats_mut(&mut self) -> (Option<&mut FluidSeat<D, N>>, Option<&mut ParticleSeat<D>>) {
+        match self {
+            System::Coupled(system) => {
+                let engines = &mut system.engines;
+                (Some(&mut engines.fluid), Some(&mut engines.particles))
+            }
+            System::OneWay(system) => (Some(&mut system.fluid), Some(&mut system.particles)),
+            System::FluidAlone(system) => (Some(&mut system.fluid), None),
+            System::Dry(system) => (None, Some(&mut system.particles)),
+        }
+    }
+
+    /// The engines, to speak with.
+    pub fn partners(&mut self) -> impl Iterator<Item = &mut Partner> {
+        let (fluid, particles) = self.seats_mut();
+        let fluid = fluid.map(FluidSeat::partner);
+        let particles = particles.and_then(ParticleSeat::partner);
+        fluid.into_iter().chain(particles)
+    }
+}

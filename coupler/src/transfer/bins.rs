@@ -1,0 +1,84 @@
+//! A box of bins, numbered along the first axis first.
+
+use space::{Vector, dimension::factorial, simplex, vector};
+
+/// Bins of one size that fill a box.
+#[derive(Debug)]
+pub struct Bins<const D: usize> {
+    lower: Vector<D>,
+    size: Vector<D>,
+    counts: [usize; D],
+}
+
+impl<const D: usize> Bins<D> {
+    /// Bins over the box from `lower` to `upper`, nearly cubes, each about as large as one of
+    /// `simplex_count` simplices.
+    pub fn new(lower: Vector<D>, upper: Vector<D>, simplex_count: usize) -> Bins<D> {
+        let extent = upper - lower;
+        let volume: f64 = extent.iter().product();
+        let cubes = simplex_count.max(1) as f64 / factorial(D) as f64;
+        let edge = simplex::cube_edge::<D>(volume / cubes);
+        let counts = std::array::from_fn(|axis| ((extent[axis] / edge).ceil() as usize).max(1));
+        Bins {
+            lower,
+            size: vector::from_fn(|axis| extent[axis] / counts[axis] as f64),
+            counts,
+        }
+    }
+
+    /// Lower corner of the box \[m\].
+    pub fn lower(&self) -> &Vector<D> {
+        &self.lower
+    }
+
+    /// Number of bins.
+    pub fn count(&self) -> usize {
+        self.counts.iter().product()
+    }
+
+    /// The bin of a point, or the nearest one.
+    pub fn of(&self, point: &Vector<D>) -> [usize; D] {
+        std::array::from_fn(|axis| {
+            let bin = (point[axis] - self.lower[axis]) / self.size[axis];
+            (bin.max(0.0) as usize).min(self.counts[axis] - 1)
+        })
+    }
+
+    /// Numbers of the bins from `first` to `last`, both included.
+    pub fn range(&self, first: [usize; D], last: [usize; D]) -> impl Iterator<Item = usize> + '_ {
+        boxes(first, last).map(move |bin| self.number(bin))
+    }
+
+    /// Numbers of the bins at this distance (in bins) from one.
+    pub fn ring(&self, centre: [usize; D], distance: usize) -> impl Iterator<Item = usize> + '_ {
+        let first = centre.map(|bin| bin.saturating_sub(distance));
+        let last = std::array::from_fn(|k| (centre[k] + distance).min(self.counts[k] - 1));
+        boxes(first, last)
+            .filter(move |bin| {
+                let apart = bin.iter().zip(&centre).map(|(a, b)| a.abs_diff(*b));
+                apart.max() == Some(distance)
+            })
+            .map(move |bin| self.number(bin))
+    }
+
+    fn number(&self, bin: [usize; D]) -> usize {
+        let along = (0..D).rev();
+        along.fold(0, |number, axis| number * self.counts[axis] + bin[axis])
+    }
+}
+
+/// All whole coordinates from `first` to `last`, the first axis fastest.
+fn boxes<const D: usize>(first: [usize; D], last: [usize; D]) -> impl Iterator<Item = [usize; D]> {
+    let next = move |at: &[usize; D]| {
+        let mut at = *at;
+        for axis in 0..D {
+            if at[axis] < last[axis] {
+                at[axis] += 1;
+                return Some(at);
+            }
+            at[axis] = first[axis];
+        }
+        None
+    };
+    std::iter::successors(Some(first), next)
+}

@@ -1,0 +1,29 @@
+//! The mesh that the fluid engine solves on.
+
+use space::{Dim, Dimension, Period, Vector, simplex};
+
+/// Nodes and simplices (triangles, tetrahedra).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh<const D: usize, const N: usize> {
+    /// Nodes \[m\].
+    pub node_position: Vec<Vector<D>>,
+    /// Corner nodes of each simplex, right-handed.
+    pub simplices: Vec<[u32; N]>,
+    /// Corners of each simplex \[m\], unwrapped across periodic boundaries.
+    pub corners: Vec<[Vector<D>; N]>,
+    /// Lumped mass ℓ of each node \[m^D\].
+    pub nodal_mass: Vec<f64>,
+    /// Period along each axis \[m\].
+    pub period: Period<D>,
+}
+
+impl<const D: usize, const N: usize> Mesh<D, N>
+where
+    Dim<D>: Dimension<D>,
+{
+    /// h of the smallest cell: the side of a square of two triangles, of a cube of six tetrahedra.
+    pub fn smallest_cell(&self) -> f64 {
+        let volumes = self.corners.iter().map(simplex::determinant);
+        simplex::cube_edge::<D>(volumes.fold(f64::INFINITY, f64::min))
+    }
+}
