@@ -4,11 +4,11 @@ check:
 
 # The fast tests of the whole workspace.
 test:
-    cargo test --release
+    cargo test --release --workspace
 
 # The slow ones too: convergence, long runs, stress.
 test-all:
-    cargo test --release -- --include-ignored
+    cargo test --release --workspace -- --include-ignored
 
 # Format all code.
 fmt:

@@ -25,7 +25,7 @@ done
     echo
     echo "* Commit: $(git rev-parse --short HEAD)$(git diff --quiet HEAD || echo ' with changes'), $(date -u +%F)"
     echo "* Machine: $(nproc) cores, $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(rustc --version)"
-    echo "* Processes, signals, shared memory and files have tests without tables: \`cargo test --release\`."
+    echo "* Processes, signals, shared memory and files have tests without tables: \`cargo test --release --workspace\`."
     awk '
         # Tables stay tables; other lines keep their columns.
         function close_table() {

@@ -13,6 +13,9 @@ use protocol::scene::{
     Nonlinear, ParticleScene, Scheme, TimeScheme, ViscousForm, Wall,
 };
 use recording::Recorder;
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
 
 pub mod arguments;
 pub mod exchange;
@@ -166,11 +169,15 @@ pub fn couple_recorded(
     grains: &InitialGrains,
     recorder: Option<&Recorder>,
 ) -> Simulation<2, 3> {
-    let filter = tracing_subscriber::EnvFilter::from_env("SILLAGE_LOG"); // SILLAGE_LOG=coupler=debug shows passes
-    let _ = tracing_subscriber::fmt()
-        .with_env_filter(filter)
+    // SILLAGE_LOG=coupler=debug shows passes.
+    let asked = std::env::var("SILLAGE_LOG").unwrap_or("error".to_owned());
+    let targets: Targets = asked.parse().expect("levels of targets");
+    let lines = tracing_subscriber::fmt::layer()
         .without_time()
-        .with_test_writer()
+        .with_test_writer();
+    let _ = tracing_subscriber::registry()
+        .with(targets)
+        .with(lines)
         .try_init();
     let fluid = scene.fluid.is_some().then(|| engine(Role::Fluid, recorder));
     let particles = scene

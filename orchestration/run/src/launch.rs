@@ -1,6 +1,7 @@
 //! Child processes: found, started with the run's environment, their words kept in `logs/`.
 
 use std::fs::File;
+use std::io::ErrorKind;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -94,7 +95,10 @@ pub fn spawn(
         .process_group(0);
     let child = command.spawn().map_err(|error| Error::Run {
         code: exit_code::ENGINE,
-        why: format!("the {seat} could not be started ({said}): {error}"),
+        why: format!(
+            "the {seat} could not be started ({said}): {error}{}",
+            remedy(&error)
+        ),
     })?;
     tracing::info!("{seat} is process {}", child.id());
     Ok(Process {
@@ -107,6 +111,16 @@ pub fn spawn(
         memory_peak: 0,
         child,
     })
+}
+
+/// What to do about a program that is not there.
+fn remedy(error: &std::io::Error) -> &'static str {
+    match error.kind() {
+        ErrorKind::NotFound => {
+            "; engines that come with sillage are built by `cargo build --release --workspace`"
+        }
+        _ => "",
+    }
 }
 
 /// Built-in programs lie beside this one; engines of the scene start in the scene's folder, and a
@@ -162,8 +176,8 @@ pub fn sibling(name: &str) -> Result<PathBuf, Error> {
     Err(Error::Run {
         code: exit_code::ENGINE,
         why: format!(
-            "{} does not exist: build all programs with `cargo build --release --workspace`, \
-             or run ./sillage, which does",
+            "{} does not exist: build the programs of a run with `cargo build --release`, or run \
+             ./sillage, which does; all programs with `cargo build --release --workspace`",
             path.display()
         ),
     })

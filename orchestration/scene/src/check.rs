@@ -7,7 +7,7 @@ use crate::document::Document;
 use crate::keys::{
     BoundaryKey, Contact, Coupling, Fluid, GrainDomain, LimitKeys, Rectangle, SceneFile,
 };
-use crate::population_keys::{Grains, Radius};
+use crate::keys::{Grains, Radius};
 use crate::problem::Problem;
 use crate::read::nearest;
 use crate::record;

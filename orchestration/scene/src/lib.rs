@@ -15,13 +15,11 @@ pub mod keys;
 mod load;
 pub mod mesh_names;
 pub mod plan;
-pub mod population_keys;
 pub mod problem;
 pub mod read;
 pub mod record;
 pub mod resolve;
 mod scene;
-pub mod schema;
 pub mod walls;
 
 pub use error::Error;

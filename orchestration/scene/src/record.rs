@@ -1,22 +1,10 @@
-//! The recording of a run: asked for, and passed on to the coupler.
+//! The recording of a run: its file, and what the coupler is told.
 
 use std::path::Path;
 
 use serde_json::json;
 
-use crate::error::Error;
 use crate::keys::Record;
-use crate::scene::Scene;
-
-/// Ask for a recording on the command line; an empty name leaves it to the scene.
-pub fn request(scene: &mut Scene, file: &str) -> Result<(), Error> {
-    let record = scene.record.get_or_insert_with(Record::default);
-    if !file.is_empty() {
-        check_file(file).map_err(|why| Error::Usage(format!("--record={file}: {why}")))?;
-        record.file = file.to_string();
-    }
-    Ok(())
-}
 
 /// A name that cannot be that of another file of the run folder.
 pub fn check_file(file: &str) -> Result<(), String> {

@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use protocol::configure::CouplerScene;
 
+use crate::error::Error;
 use crate::grains::GrainTable;
 use crate::keys::{Engines, Output, Record};
+use crate::record::check_file;
 
 /// A scene that can be run.
 #[derive(Debug, Clone)]
@@ -30,4 +32,16 @@ pub struct Scene {
     pub leave_out: bool,
     /// What was asked for and will not happen, or may surprise.
     pub warnings: Vec<String>,
+}
+
+impl Scene {
+    /// Ask for a recording on the command line; an empty name leaves it to the scene.
+    pub fn record_into(&mut self, file: &str) -> Result<(), Error> {
+        let record = self.record.get_or_insert_with(Record::default);
+        if !file.is_empty() {
+            check_file(file).map_err(|why| Error::Usage(format!("--record={file}: {why}")))?;
+            record.file = file.to_string();
+        }
+        Ok(())
+    }
 }

@@ -5,8 +5,6 @@ mod cli;
 mod commands;
 mod say;
 
-use std::io::IsTerminal;
-
 use clap::Parser;
 use cli::command::{Cli, Command};
 use commands::{engines, pages, recordings, scenes, sweeps};
@@ -14,14 +12,7 @@ use scene::Error;
 use serde_json::json;
 
 fn main() {
-    tracing_subscriber::fmt()
-        .with_env_filter(
-            tracing_subscriber::EnvFilter::try_from_env("SILLAGE_LOG")
-                .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn")),
-        )
-        .with_writer(std::io::stderr)
-        .with_ansi(std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none())
-        .init();
+    protocol::process::log_to_stderr_or("warn");
     let (wants_json, outcome) = match Cli::parse().command {
         Command::Check(args) => (args.json, scenes::check(&args)),
         Command::Plan(args) => (args.json, scenes::plan(&args)),

@@ -4,7 +4,9 @@
 use std::io::{IsTerminal, stderr};
 use std::process::ExitCode;
 
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
 
 use super::signals::{leave_interrupts_to_orchestrator, leave_when_told, report_full_memory};
 use crate::language::error::Error;
@@ -69,19 +71,26 @@ pub fn exit_code(seat: &str, work: impl FnOnce(&RunSpace) -> Result<(), Error>) 
 /// Log to stderr as `SILLAGE_LOG` and `SILLAGE_LOG_FORMAT` ask; without effect when called again.
 pub fn log_to_stderr() {
     // The transport's own records are about its files, not about the run.
-    let default = "info,iceoryx2_bb_loggers=error";
-    let filter = EnvFilter::try_from_env(ENV_LOG).unwrap_or_else(|_| EnvFilter::new(default));
-    let builder = tracing_subscriber::fmt()
-        .with_env_filter(filter)
+    log_to_stderr_or("info,iceoryx2_bb_loggers=error");
+}
+
+/// The same, with what is logged when `SILLAGE_LOG` does not say: levels of targets, as in
+/// "info,coupler=debug".
+pub fn log_to_stderr_or(default: &str) {
+    let asked = std::env::var(ENV_LOG).ok();
+    let asked = asked.and_then(|words| words.parse::<Targets>().ok());
+    let targets = asked.or_else(|| default.parse().ok()).unwrap_or_default();
+    let lines = tracing_subscriber::fmt::layer()
         .with_writer(stderr)
         .with_ansi(stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none())
         // A reader of stderr that is gone must not take the process with it.
         .log_internal_errors(false);
+    let registry = tracing_subscriber::registry().with(targets);
     let json = std::env::var(ENV_LOG_FORMAT).is_ok_and(|format| format == "json");
     let _ = if json {
-        builder.json().try_init()
+        registry.with(lines.json()).try_init()
     } else {
-        builder.try_init()
+        registry.with(lines).try_init()
     };
 }
 

@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[4]
 SILLAGE = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "sillage"
-pytestmark = pytest.mark.skipif(not SILLAGE.exists(), reason="sillage is not built: cargo build --release --workspace")
+pytestmark = pytest.mark.skipif(not SILLAGE.exists(), reason="sillage is not built: cargo build --release")
 
 SCENE = """
 [run]

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::table::Grain;
-use crate::population_keys::Grains;
+use crate::keys::Grains;
 
 const COLUMNS: [&str; 7] = ["x", "y", "radius", "density", "vx", "vy", "fixed"];
 

@@ -6,7 +6,7 @@ use super::neighbours::Neighbours;
 use super::table::{Grain, GrainTable};
 use super::{file, place};
 use crate::check::Checker;
-use crate::population_keys::Grains;
+use crate::keys::Grains;
 use crate::walls::GrainRoom;
 
 /// Overlap of two grains that is tolerated, of the smaller radius: what a file of a previous

@@ -4,7 +4,7 @@
 //! lattice continues across the side. Elsewhere whole grains must fit: the outermost ones keep
 //! their radius, or their share of a cell, from the side.
 
-use crate::population_keys::{Lattice, Pattern};
+use crate::keys::{Lattice, Pattern};
 
 /// A rectangle to be filled, with what decides how near to its sides grains may be.
 pub struct Frame<'a> {

@@ -7,7 +7,7 @@ use super::lattice::Frame;
 use super::neighbours::Neighbours;
 use super::random::Random;
 use super::table::Grain;
-use crate::population_keys::{Arrangement, Cloud, FilledBox, Grains, Lattice, Radius};
+use crate::keys::{Arrangement, Cloud, FilledBox, Grains, Lattice, Radius};
 use crate::walls::GrainRoom;
 
 /// Key and message of what cannot be placed.

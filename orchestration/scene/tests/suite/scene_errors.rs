@@ -448,7 +448,7 @@ fn an_unknown_output_field_is_refused() {
 
 #[test]
 fn the_schema_describes_every_key_and_allows_no_other() {
-    let schema = scene::schema::scene_schema();
+    let schema = scene::keys::scene_schema();
     assert_eq!(schema["additionalProperties"], false);
     let keys: Vec<&String> = schema["properties"]
         .as_object()
@@ -461,7 +461,7 @@ fn the_schema_describes_every_key_and_allows_no_other() {
     ] {
         assert!(keys.iter().any(|known| *known == key), "{key}");
     }
-    for law in scene::schema::DRAG_LAWS {
+    for law in scene::keys::DRAG_LAWS {
         accepted(&coupled(), &[&format!("coupling.drag={law}")]);
     }
 }

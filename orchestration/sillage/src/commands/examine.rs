@@ -140,7 +140,7 @@ fn problems(findings: &Findings) -> Vec<String> {
     {
         let name = &program.name;
         problems.push(format!(
-            "{name} is not beside sillage: cargo build --release --workspace"
+            "{name} is not beside sillage: cargo build --release"
         ));
     }
     let left = findings

@@ -2,7 +2,7 @@
 
 use run::{Runner, Voice, fresh_folder};
 use scene::error::exit_code;
-use scene::{Error, plan, record};
+use scene::{Error, plan};
 use serde_json::json;
 use show::picture::pictures;
 
@@ -13,7 +13,7 @@ use crate::say;
 /// Validate a scene, or print the schema of all.
 pub fn check(args: &CheckArgs) -> Result<i32, Error> {
     let Some(path) = &args.scene else {
-        say!("{:#}", scene::schema::scene_schema())?;
+        say!("{:#}", scene::keys::scene_schema())?;
         return Ok(exit_code::OK);
     };
     let scene = scene::load(path, &args.settings, 1)?;
@@ -54,7 +54,7 @@ pub fn run(args: &RunArgs) -> Result<i32, Error> {
         eprintln!("{}: warning: {warning}", given.scene.display());
     }
     if let Some(file) = &args.record {
-        record::request(&mut scene, file)?;
+        scene.record_into(file)?;
     }
     let path = match &args.out {
         Some(path) => path.clone(),

@@ -1,14 +1,7 @@
-//! JSON Schema of a scene, for editors; the protocol's enums are described here.
+//! JSON Schemas of the protocol's enums, for editors.
 
 use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::Value;
-
-use crate::keys::SceneFile;
-
-/// The JSON Schema of a scene file.
-pub fn scene_schema() -> Value {
-    schemars::schema_for!(SceneFile).to_value()
-}
 
 /// Names of the drag laws.
 pub const DRAG_LAWS: [&str; 7] = [

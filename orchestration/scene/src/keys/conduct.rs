@@ -1,0 +1,94 @@
+//! Keys of how a run is made: `[engines]`, `[output]`, `[record]` and `[limits]`.
+
+use recording::Compression;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::schema;
+
+/// Engines to use instead of the built-in ones.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, Default)]
+#[serde(deny_unknown_fields)]
+pub struct Engines {
+    /// Takes the fluid seat.
+    pub fluid: Option<EngineCommand>,
+    /// Takes the particle seat.
+    pub particles: Option<EngineCommand>,
+}
+
+/// How to start an engine.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EngineCommand {
+    /// Program and arguments; started in the folder of the scene.
+    pub command: Vec<String>,
+}
+
+/// What is written.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Output {
+    /// Time between states written (s); left out: only the first and the last.
+    pub every: Option<f64>,
+    /// Draw a picture of every state written.
+    #[serde(default = "yes")]
+    pub frames: bool,
+    /// Names of the fields in the ParaView files; left out: all that exist.
+    pub fields: Option<Vec<String>>,
+}
+
+/// Recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Record {
+    /// File, relative to the run folder; its name ends in ".mcap".
+    pub file: String,
+    /// "zstd" (smaller) or "none".
+    #[schemars(schema_with = "schema::compression")]
+    pub compression: Compression,
+}
+
+impl Default for Record {
+    fn default() -> Self {
+        Record {
+            file: "exchange.mcap".to_string(),
+            compression: Compression::Zstd,
+        }
+    }
+}
+
+/// How long to wait for an engine, all (s).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct LimitKeys {
+    /// Until an engine says hello.
+    pub connect: f64,
+    /// Until an engine is ready after its scene.
+    pub configure: f64,
+    /// Until an engine answers one step.
+    pub step: f64,
+}
+
+impl Default for LimitKeys {
+    fn default() -> Self {
+        LimitKeys {
+            connect: 30.0,
+            configure: 120.0,
+            step: 600.0,
+        }
+    }
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Output {
+            every: None,
+            frames: true,
+            fields: None,
+        }
+    }
+}
+
+fn yes() -> bool {
+    true
+}

@@ -1,0 +1,69 @@
+//! Keys of contacts and of the coupling: `[contact]` and `[coupling]`.
+
+use protocol::configure::{AdaptiveStep, DragLaw, Geometry, Scheme};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::schema;
+
+/// Contacts.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Contact {
+    /// Coulomb coefficient between grains.
+    #[serde(default)]
+    pub friction: f64,
+    /// Coulomb coefficient between grains and walls; left out: as between grains.
+    pub wall_friction: Option<f64>,
+    /// Residual at which a contact solve stops, of |g| Δt.
+    pub tolerance: f64,
+    /// Sweeps allowed in a contact solve; more is an error.
+    #[serde(default = "sweeps_max")]
+    pub sweeps_max: usize,
+    /// Sub-steps allowed in a coupling step; more is an error.
+    #[serde(default = "sub_steps_max")]
+    pub sub_steps_max: u32,
+}
+
+/// Coupling of grains and fluid.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Coupling {
+    /// { iterated = { tolerance, passes_max } }; or "staggered": one pass. For comparison only, as
+    /// they lose stability where stiff: "semi-implicit" and "explicit".
+    #[schemars(schema_with = "schema::scheme")]
+    pub scheme: Option<Scheme>,
+    /// Drag law: dallavalle, di-felice, wen-yu, gidaspow, beetstra, stokes or migflow.
+    #[serde(default = "dallavalle")]
+    #[schemars(schema_with = "schema::drag")]
+    pub drag: DragLaw,
+    /// Does the fluid feel the grains? false: one-way.
+    #[serde(default = "yes")]
+    pub reaction: bool,
+    /// What a grain is: "disk", or { sphere = { depth } } in a slab.
+    #[serde(default = "disk")]
+    #[schemars(schema_with = "schema::geometry")]
+    pub geometry: Geometry,
+    /// Smoothing length of deposited fields (m); 0: none; left out: chosen from grain and cell size.
+    pub smoothing_length: Option<f64>,
+    /// Adaptive coupling step: { step_min, step_max, courant }.
+    #[schemars(schema_with = "schema::adaptive")]
+    pub adaptive: Option<AdaptiveStep>,
+}
+
+fn yes() -> bool {
+    true
+}
+fn dallavalle() -> DragLaw {
+    DragLaw::Dallavalle
+}
+fn disk() -> Geometry {
+    Geometry::Disk
+}
+// Resource limits, not accuracies: crossing one is an error, so a generous number is safe.
+fn sweeps_max() -> usize {
+    100_000
+}
+fn sub_steps_max() -> u32 {
+    1000
+}

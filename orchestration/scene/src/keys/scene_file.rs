@@ -1,0 +1,78 @@
+//! The tables of a scene, as they stand in its file. SI units; unknown keys are refused.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::conduct::{Engines, LimitKeys, Output, Record};
+use super::coupling::{Contact, Coupling};
+use super::fluid::Fluid;
+use super::grains::Grains;
+use super::room::{Particles, WallSegment};
+
+/// A Sillage scene: grains in a fluid in two dimensions. SI units throughout.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// Duration and step.
+    pub run: Run,
+    /// Gravity; always written down, also when it is zero.
+    pub gravity: Gravity,
+    /// The fluid; without it no fluid process is started.
+    pub fluid: Option<Fluid>,
+    /// Grain populations; without any no particle process is started.
+    #[serde(default)]
+    pub grains: Vec<Grains>,
+    /// Where grains may go.
+    #[serde(default)]
+    pub particles: Particles,
+    /// Further wall segments.
+    #[serde(default)]
+    pub walls: Vec<WallSegment>,
+    /// Contacts between grains; required when there are grains.
+    pub contact: Option<Contact>,
+    /// How grains and fluid are coupled; required when there are both.
+    pub coupling: Option<Coupling>,
+    /// Other engines than the built-in ones.
+    #[serde(default)]
+    pub engines: Engines,
+    /// What is written.
+    #[serde(default)]
+    pub output: Output,
+    /// Recording of all that processes exchange.
+    pub record: Option<Record>,
+    /// How long to wait for an engine.
+    #[serde(default)]
+    pub limits: LimitKeys,
+}
+
+/// Duration and step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Run {
+    /// When the run ends (s).
+    pub end_time: f64,
+    /// Coupling step (s): how often fluid and grains exchange.
+    pub coupling_step: f64,
+    /// May engines leave out what their bounds allow? false: everything is computed in every step,
+    /// for comparison.
+    #[serde(default = "yes")]
+    pub leave_out: bool,
+}
+
+/// Gravity.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Gravity {
+    /// Acceleration g (m/s²), e.g. [0.0, -9.81].
+    pub acceleration: [f64; 2],
+}
+
+/// The JSON Schema of a scene file.
+pub fn scene_schema() -> Value {
+    schemars::schema_for!(SceneFile).to_value()
+}
+
+fn yes() -> bool {
+    true
+}
