@@ -35,6 +35,11 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// In how many dimensions it is computed.
+    pub fn dimension(&self) -> usize {
+        self.coupler.gravity.len()
+    }
+
     /// Ask for a recording on the command line; an empty name leaves it to the scene.
     pub fn record_into(&mut self, file: &str) -> Result<(), Error> {
         let record = self.record.get_or_insert_with(Record::default);

@@ -240,21 +240,3 @@ fn paraview_files_hold_the_numbers_that_were_sent() {
     println!("{pvd}");
     assert_eq!(pvd.matches("<DataSet").count(), 2);
 }
-
-#[test]
-fn a_periodic_mesh_is_drawn_without_triangles_across_the_domain() {
-    // Two cells, periodic in x: nodes 0, 1 below and 2, 3 above; the second cell wraps.
-    let position = vec![0.0, 0.0, 0.5, 0.0, 0.0, 1.0, 0.5, 1.0];
-    let nodes = vec![1.0, 0.0, 2.0, 1.0, 2.0, 3.0];
-    let corners = vec![0.5, 0.0, 1.0, 0.0, 1.0, 1.0, 0.5, 0.0, 1.0, 1.0, 0.5, 1.0];
-    let mesh = run::vtu::mesh::Mesh::from_fields(&[
-        (Field::NodePosition, position),
-        (Field::TriangleNodes, nodes),
-        (Field::TrianglePosition, corners),
-    ])
-    .expect("a mesh");
-    println!("{mesh:?}");
-    assert_eq!(mesh.points.len(), 6);
-    assert_eq!(mesh.node_of[4..], [0, 2]);
-    assert_eq!(mesh.bounds(), ([0.0, 0.0], [1.0, 1.0]));
-}

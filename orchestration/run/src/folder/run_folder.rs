@@ -25,6 +25,7 @@ use crate::vtu::write::{self, Series};
 /// Writes the run folder while a run goes on.
 pub struct RunFolder {
     path: PathBuf,
+    dimension: usize,
     fields: Option<Vec<String>>,
     steps: Steps,
     fluid_series: Series,
@@ -52,6 +53,7 @@ impl RunFolder {
         file::write(&path.join("scene.toml"), &scene.text)?;
         Ok(RunFolder {
             path: path.to_path_buf(),
+            dimension: scene.dimension(),
             fields: scene.output.fields.clone(),
             steps: Steps::create(path.join("steps.csv"))?,
             fluid_series: Series::new(path.join("fluid.pvd")),
@@ -83,7 +85,7 @@ impl RunFolder {
                 self.engines = engines.clone();
                 let radius = values(&event.fields, Field::GrainRadius);
                 self.grain_radius = radius.unwrap_or_default().to_vec();
-                self.mesh = Mesh::from_fields(&event.fields);
+                self.mesh = Mesh::from_fields(self.dimension, &event.fields);
                 self.started = true;
                 Ok(())
             }
@@ -129,7 +131,7 @@ impl RunFolder {
                     .into_iter()
                     .filter(|(field, _)| *field != Field::GrainPosition),
             );
-            let content = write::grains(position, &columns);
+            let content = write::grains(self.dimension, position, &columns);
             self.grain_series
                 .add(time, &format!("vtu/grains_{number:04}.vtu"), &content)?;
         }

@@ -42,6 +42,12 @@ impl State {
         })
     }
 
+    /// The same from text.
+    pub fn from_text(text: String) -> State {
+        let name = "a state".to_string();
+        State { text, name }
+    }
+
     /// An array of numbers; none when the file does not have it.
     pub fn numbers(&self, name: &str) -> Result<Option<Vec<f64>>, Error> {
         self.array(name, f64::from_le_bytes)
@@ -52,40 +58,52 @@ impl State {
         self.array(name, i64::from_le_bytes)
     }
 
-    /// The first two of every three components.
-    pub fn vectors(&self, name: &str) -> Result<Option<Vec<[f64; 2]>>, Error> {
+    /// The first `D` of every three components.
+    pub fn vectors<const D: usize>(&self, name: &str) -> Result<Option<Vec<[f64; D]>>, Error> {
         let numbers = self.numbers(name)?;
-        Ok(numbers.map(|all| all.chunks_exact(3).map(|v| [v[0], v[1]]).collect()))
+        let first = |v: &[f64]| std::array::from_fn(|axis| v[axis]);
+        Ok(numbers.map(|all| all.chunks_exact(3).map(first).collect()))
     }
 
     fn array<T>(&self, name: &str, number: fn([u8; 8]) -> T) -> Result<Option<Vec<T>>, Error> {
+        let Some(bytes) = self.bytes(name)? else {
+            return Ok(None);
+        };
+        let eights = bytes.chunks_exact(8);
+        if !eights.remainder().is_empty() {
+            return Err(self.refuse(name, "cut off"));
+        }
+        let number = |chunk: &[u8]| number(std::array::from_fn(|index| chunk[index]));
+        Ok(Some(eights.map(number).collect()))
+    }
+
+    /// An array as it lies in the file.
+    pub fn bytes(&self, name: &str) -> Result<Option<Vec<u8>>, Error> {
         let Some(start) = self.text.find(&format!("Name=\"{name}\"")) else {
             return Ok(None);
         };
-        let refuse = |why: &str| {
-            Error::Usage(format!(
-                "{}: {name}: {why}; only files that sillage wrote can be read",
-                self.name
-            ))
-        };
         let mut lines = self.text[start..].lines();
         if !lines.next().is_some_and(|head| head.contains("binary")) {
-            return Err(refuse("not in binary format"));
+            return Err(self.refuse(name, "not in binary format"));
         }
         let encoded = lines.next().unwrap_or_default().trim();
-        let bytes = STANDARD
+        let block = STANDARD
             .decode(encoded)
-            .map_err(|error| refuse(&error.to_string()))?;
-        let eights = bytes.chunks_exact(8);
-        if bytes.len() < 8 || !eights.remainder().is_empty() {
-            return Err(refuse("cut off"));
+            .map_err(|error| self.refuse(name, &error.to_string()))?;
+        let Some((length, bytes)) = block.split_first_chunk() else {
+            return Err(self.refuse(name, "cut off"));
+        };
+        match u64::from_le_bytes(*length) == bytes.len() as u64 {
+            true => Ok(Some(bytes.to_vec())),
+            false => Err(self.refuse(name, "its length is not the one it names")),
         }
-        let mut eights = eights.map(|chunk| std::array::from_fn(|index| chunk[index]));
-        let length = eights.next().map_or(0, u64::from_le_bytes);
-        if length != bytes.len() as u64 - 8 {
-            return Err(refuse("its length is not the one it names"));
-        }
-        Ok(Some(eights.map(number).collect()))
+    }
+
+    fn refuse(&self, name: &str, why: &str) -> Error {
+        let file = &self.name;
+        Error::Usage(format!(
+            "{file}: {name}: {why}; only files that sillage wrote can be read"
+        ))
     }
 }
 

@@ -6,136 +6,152 @@ use std::path::{Path, PathBuf};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use protocol::field::Field;
+use protocol::field::{Field, Rank};
 use scene::Error;
 
 use super::mesh::Mesh;
 use crate::file;
 
-const VTK_VERTEX: u8 = 1;
-const VTK_TRIANGLE: u8 = 5;
+/// Kind of a cell, by VTK's numbers.
+const VERTEX: u8 = 1;
+const TRIANGLE: u8 = 5;
+const TETRAHEDRON: u8 = 10;
+
+/// Numbers of a point and of a vector in a file, where the plane lies at z = 0.
+const SPACE: usize = 3;
 
 /// Values at the points of a file.
-pub struct PointData<'a> {
-    /// The field.
-    pub field: Field,
-    /// One group of components a point.
-    pub values: Vec<&'a [f64]>,
+struct PointData {
+    name: &'static str,
+    width: usize,
+    values: Vec<f64>,
+}
+
+impl PointData {
+    /// ParaView expects vectors with three components.
+    fn new(field: Field, dimension: usize, values: Vec<f64>) -> PointData {
+        let rank = field.spec().rank;
+        let width = rank.components(dimension);
+        let (width, values) = match rank {
+            Rank::Vector => (SPACE, in_space(&values, width)),
+            _ => (width, values),
+        };
+        PointData {
+            name: field.name(),
+            width,
+            values,
+        }
+    }
+}
+
+/// Points or vectors with zeros for the components that they lack.
+fn in_space(values: &[f64], dimension: usize) -> Vec<f64> {
+    let zeros = [0.0; SPACE];
+    let padded = |v: &[f64]| -> [f64; SPACE] {
+        let mut space = zeros;
+        space[..dimension].copy_from_slice(v);
+        space
+    };
+    values.chunks_exact(dimension).flat_map(padded).collect()
 }
 
 /// A state of the fluid: nodal fields on the mesh.
 pub fn fluid(mesh: &Mesh, fields: &[(Field, &[f64])]) -> String {
-    let points: Vec<f64> = mesh.points.iter().flat_map(|p| [p[0], p[1], 0.0]).collect();
-    let connectivity: Vec<i64> = mesh
-        .triangles
+    let width = |field: &Field| field.spec().rank.components(mesh.dimension);
+    let data: Vec<PointData> = fields
         .iter()
-        .flatten()
-        .map(|&p| i64::from(p))
-        .collect();
-    let data = fields
-        .iter()
-        .filter(|(field, values)| values.len() == mesh.node_count * field.components())
+        .filter(|(field, values)| values.len() == mesh.node_count * width(field))
         .map(|(field, values)| {
-            let width = field.components();
-            let at = |node: &u32| &values[*node as usize * width..(*node as usize + 1) * width];
-            PointData {
-                field: *field,
-                values: mesh.node_of.iter().map(at).collect(),
-            }
+            let values = mesh.at_points(values, width(field));
+            PointData::new(*field, mesh.dimension, values)
         })
-        .collect::<Vec<_>>();
-    document(&points, &connectivity, 3, VTK_TRIANGLE, &data)
+        .collect();
+    let cells = Cells {
+        kind: match mesh.dimension {
+            2 => TRIANGLE,
+            _ => TETRAHEDRON,
+        },
+        corners: mesh.dimension + 1,
+        connectivity: mesh.corners.iter().map(|&point| point.into()).collect(),
+    };
+    document(&in_space(&mesh.points, mesh.dimension), &cells, &data)
 }
 
 /// A state of the grains: points with radius, velocity and what else was sent.
-pub fn grains(position: &[f64], fields: &[(Field, &[f64])]) -> String {
-    let points: Vec<f64> = position
-        .chunks_exact(2)
-        .flat_map(|p| [p[0], p[1], 0.0])
-        .collect();
-    let count = points.len() / 3;
-    let connectivity: Vec<i64> = (0..count as i64).collect();
-    let data = fields
+pub fn grains(dimension: usize, position: &[f64], fields: &[(Field, &[f64])]) -> String {
+    let count = position.len() / dimension;
+    let data: Vec<PointData> = fields
         .iter()
-        .filter(|(field, values)| values.len() == count * field.components())
-        .map(|(field, values)| PointData {
-            field: *field,
-            values: values.chunks_exact(field.components()).collect(),
-        })
-        .collect::<Vec<_>>();
-    document(&points, &connectivity, 1, VTK_VERTEX, &data)
+        .filter(|(field, values)| values.len() == count * field.spec().rank.components(dimension))
+        .map(|(field, values)| PointData::new(*field, dimension, values.to_vec()))
+        .collect();
+    let cells = Cells {
+        kind: VERTEX,
+        corners: 1,
+        connectivity: (0..count as i64).collect(),
+    };
+    document(&in_space(position, dimension), &cells, &data)
 }
 
-/// An unstructured grid of cells with `corners` points each.
-fn document(
-    points: &[f64],
-    connectivity: &[i64],
-    corners: usize,
+/// Cells of one kind, with as many points each.
+struct Cells {
     kind: u8,
-    data: &[PointData<'_>],
-) -> String {
-    let cells = connectivity.len() / corners;
-    let offsets: Vec<i64> = (1..=cells as i64)
-        .map(|cell| cell * corners as i64)
-        .collect();
+    corners: usize,
+    connectivity: Vec<i64>,
+}
+
+impl Cells {
+    fn count(&self) -> usize {
+        self.connectivity.len() / self.corners
+    }
+
+    fn write(&self, xml: &mut String) {
+        let ends: Vec<i64> = (1..=self.count())
+            .map(|cell| (cell * self.corners) as i64)
+            .collect();
+        *xml += "<Cells>\n";
+        array(xml, "Int64", "connectivity", 1, whole(&self.connectivity));
+        array(xml, "Int64", "offsets", 1, whole(&ends));
+        array(xml, "UInt8", "types", 1, vec![self.kind; self.count()]);
+        *xml += "</Cells>\n";
+    }
+}
+
+/// An unstructured grid of cells.
+fn document(points: &[f64], cells: &Cells, data: &[PointData]) -> String {
     let mut xml = String::from("<?xml version=\"1.0\"?>\n");
     xml += "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
     // Writing to a string cannot fail.
     let _ = writeln!(
         xml,
-        "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{cells}\">\n<PointData>",
-        points.len() / 3
+        "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<PointData>",
+        points.len() / SPACE,
+        cells.count()
     );
     for column in data {
-        // ParaView expects vectors with three components.
-        let width = if column.field.components() == 2 {
-            3
-        } else {
-            column.field.components()
-        };
-        let mut values = Vec::with_capacity(column.values.len() * width);
-        for group in &column.values {
-            values.extend_from_slice(group);
-            values.resize(values.len() + width - group.len(), 0.0);
-        }
-        array(
-            &mut xml,
-            "Float64",
-            column.field.name(),
-            width,
-            bytes_of(&values, f64::to_le_bytes),
-        );
+        let bytes = reals(&column.values);
+        array(&mut xml, "Float64", column.name, column.width, bytes);
     }
     xml += "</PointData>\n<Points>\n";
-    array(
-        &mut xml,
-        "Float64",
-        "position",
-        3,
-        bytes_of(points, f64::to_le_bytes),
-    );
-    xml += "</Points>\n<Cells>\n";
-    array(
-        &mut xml,
-        "Int64",
-        "connectivity",
-        1,
-        bytes_of(connectivity, i64::to_le_bytes),
-    );
-    array(
-        &mut xml,
-        "Int64",
-        "offsets",
-        1,
-        bytes_of(&offsets, i64::to_le_bytes),
-    );
-    array(&mut xml, "UInt8", "types", 1, vec![kind; cells]);
-    xml += "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+    array(&mut xml, "Float64", "position", SPACE, reals(points));
+    xml += "</Points>\n";
+    cells.write(&mut xml);
+    xml += "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
     xml
 }
 
-fn bytes_of<T: Copy>(values: &[T], to_bytes: impl Fn(T) -> [u8; 8]) -> Vec<u8> {
-    values.iter().flat_map(|&value| to_bytes(value)).collect()
+fn reals(values: &[f64]) -> Vec<u8> {
+    values
+        .iter()
+        .flat_map(|value| value.to_le_bytes())
+        .collect()
+}
+
+fn whole(values: &[i64]) -> Vec<u8> {
+    values
+        .iter()
+        .flat_map(|value| value.to_le_bytes())
+        .collect()
 }
 
 /// A data array: its length in bytes, then its bytes, in base64.
@@ -181,5 +197,62 @@ impl Series {
         }
         xml += "</Collection>\n</VTKFile>\n";
         file::write(&self.path, &xml)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vtu::read::State;
+
+    /// One simplex from the origin along the axes, with a velocity, and one grain in it.
+    fn written(dimension: usize) -> [String; 2] {
+        let mut points = vec![0.0; dimension * (dimension + 1)];
+        for axis in 0..dimension {
+            points[(axis + 1) * dimension + axis] = 1.0;
+        }
+        let mesh = Mesh {
+            dimension,
+            points,
+            node_of: (0..=dimension as u32).collect(),
+            corners: (0..=dimension as u32).collect(),
+            node_count: dimension + 1,
+        };
+        let velocity: Vec<f64> = (0..dimension * (dimension + 1)).map(|k| k as f64).collect();
+        let pressure = vec![7.0; dimension + 1];
+        let grain = vec![0.25; dimension];
+        [
+            fluid(
+                &mesh,
+                &[
+                    (Field::InterstitialVelocity, &velocity),
+                    (Field::Pressure, &pressure),
+                ],
+            ),
+            grains(dimension, &grain, &[(Field::GrainVelocity, &grain)]),
+        ]
+    }
+
+    #[test]
+    fn triangles_and_tetrahedra_are_written_with_vectors_of_three_components() {
+        for (dimension, kind) in [(2, TRIANGLE), (3, TETRAHEDRON)] {
+            let [fluid, grains] = written(dimension).map(State::from_text);
+            let numbers = |state: &State, name| state.numbers(name).expect("read").expect(name);
+            let mut corner = vec![0.0; 3 * (dimension + 1)];
+            (0..dimension).for_each(|axis| corner[3 * (axis + 1) + axis] = 1.0);
+            assert_eq!(numbers(&fluid, "position"), corner);
+            let velocity = numbers(&fluid, "interstitial_velocity");
+            println!("{dimension}: {velocity:?}");
+            assert_eq!(velocity.len(), 3 * (dimension + 1));
+            assert_eq!(velocity[3], dimension as f64);
+            assert_eq!(numbers(&fluid, "pressure"), vec![7.0; dimension + 1]);
+            let ends = fluid.indices("offsets").expect("read").expect("offsets");
+            assert_eq!(ends, [dimension as i64 + 1]);
+            assert_eq!(fluid.bytes("types").expect("read"), Some(vec![kind]));
+            let mut grain = vec![0.25; dimension];
+            grain.resize(3, 0.0);
+            assert_eq!(numbers(&grains, "position"), grain);
+            assert_eq!(numbers(&grains, "grain_velocity"), grain);
+        }
     }
 }

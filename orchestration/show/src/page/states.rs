@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use run::vtu::mesh::{Mesh, bounds};
+use crate::plane::{Triangles, bounds};
 use run::vtu::read::{self, State};
 use scene::Error;
 use serde::Serialize;
@@ -28,7 +28,7 @@ pub struct Frame {
 /// Reads the states of a run folder, also of one that is still being written.
 pub struct Reader {
     folder: PathBuf,
-    mesh: Option<Mesh>,
+    mesh: Option<Triangles>,
     /// What stays: mesh, outlines, radii, window.
     pub stage: Value,
     density: f64,
@@ -113,18 +113,22 @@ impl Reader {
             }
         }
         if let Some(state) = &grains {
-            let position = state.vectors("position")?.unwrap_or_default();
+            let position = state.vectors::<2>("position")?.unwrap_or_default();
             frame.position = Some(singles(position.into_iter().flatten()));
             frame.grain_speed = state
-                .vectors("grain_velocity")?
+                .vectors::<2>("grain_velocity")?
                 .map(|v| shares(&v.iter().map(|v| v[0].hypot(v[1])).collect::<Vec<_>>()));
         }
         Ok(frame)
     }
 
-    fn fields(&self, state: &State, mesh: &Mesh) -> Result<Vec<(&'static str, Vec<f64>)>, Error> {
+    fn fields(
+        &self,
+        state: &State,
+        mesh: &Triangles,
+    ) -> Result<Vec<(&'static str, Vec<f64>)>, Error> {
         let mut fields = Vec::new();
-        if let Some(velocity) = state.vectors("interstitial_velocity")? {
+        if let Some(velocity) = state.vectors::<2>("interstitial_velocity")? {
             fields.push(("speed", velocity.iter().map(|v| v[0].hypot(v[1])).collect()));
             if velocity.len() == mesh.points.len() {
                 fields.push(("vorticity", vorticity(mesh, &velocity)));
@@ -140,7 +144,7 @@ impl Reader {
     }
 
     /// p − ρ g·x, which is what moves the fluid; where no boundary is open, about its mean.
-    fn excess(&self, mesh: &Mesh, mut pressure: Vec<f64>) -> Vec<f64> {
+    fn excess(&self, mesh: &Triangles, mut pressure: Vec<f64>) -> Vec<f64> {
         for (p, x) in pressure.iter_mut().zip(&mesh.points) {
             *p -= self.density * (self.gravity[0] * x[0] + self.gravity[1] * x[1]);
         }
@@ -164,14 +168,14 @@ impl Reader {
         walls: &Value,
     ) -> Result<(), Error> {
         if let Some(state) = fluid {
-            let points = state.vectors("position")?.unwrap_or_default();
+            let points = state.vectors::<2>("position")?.unwrap_or_default();
             let corners = state.indices("connectivity")?.unwrap_or_default();
             let outside = |&corner: &i64| corner < 0 || corner as usize >= points.len();
             if corners.iter().any(outside) {
                 let why = "a triangle names a point that is not there";
                 return Err(Error::Usage(format!("{}: {why}", self.folder.display())));
             }
-            self.mesh = Some(Mesh {
+            self.mesh = Some(Triangles {
                 node_of: (0..points.len() as u32).collect(),
                 node_count: points.len(),
                 triangles: corners
@@ -187,7 +191,7 @@ impl Reader {
             outline.push([end("a"), end("b")]);
         }
         let positions = match grains {
-            Some(state) => state.vectors("position")?.unwrap_or_default(),
+            Some(state) => state.vectors::<2>("position")?.unwrap_or_default(),
             None => Vec::new(),
         };
         let radius = match grains {
@@ -215,7 +219,7 @@ impl Reader {
 }
 
 /// ∂v/∂x − ∂u/∂y at the points: the gradient of each triangle, averaged by area.
-fn vorticity(mesh: &Mesh, velocity: &[[f64; 2]]) -> Vec<f64> {
+fn vorticity(mesh: &Triangles, velocity: &[[f64; 2]]) -> Vec<f64> {
     let mut sum = vec![0.0; mesh.points.len()];
     let mut area = vec![0.0; mesh.points.len()];
     for corners in &mesh.triangles {
@@ -260,7 +264,7 @@ mod tests {
             .iter()
             .map(|x: &[f64; 2]| [-3.0 * x[1], 3.0 * x[0]])
             .collect();
-        let mesh = Mesh {
+        let mesh = Triangles {
             node_of: vec![0, 1, 2, 3],
             node_count: 4,
             triangles: vec![[0, 1, 2], [0, 2, 3]],

@@ -13,8 +13,9 @@ use super::axes::round_up;
 use super::frame::frame;
 use super::overview::{Album, overview};
 use super::state::{Stage, State};
+use crate::plane::{Point, Triangles};
 
-/// What draws a scene into its run folder.
+/// What draws a scene into its run folder; there are pictures of the plane only.
 pub fn pictures(scene: &Scene, folder: &Path) -> Box<dyn Draw> {
     let walls = scene
         .coupler
@@ -23,7 +24,7 @@ pub fn pictures(scene: &Scene, folder: &Path) -> Box<dyn Draw> {
         .flat_map(|particles| &particles.walls);
     Box::new(Drawing {
         folder: folder.to_path_buf(),
-        wanted: scene.output.frames,
+        wanted: scene.output.frames && scene.dimension() == 2,
         name: scene.name.clone(),
         walls: walls.map(|wall| [wall.a, wall.b]).collect(),
         grain_fixed: scene.grains.fixed.clone(),
@@ -38,7 +39,7 @@ struct Drawing {
     folder: PathBuf,
     wanted: bool,
     name: String,
-    walls: Vec<[[f64; 2]; 2]>,
+    walls: Vec<[Point; 2]>,
     grain_fixed: Vec<bool>,
     stage: Option<Stage>,
     album: Album,
@@ -77,7 +78,7 @@ impl Drawing {
     fn set_stage(&mut self, fields: &[(Field, Vec<f64>)]) {
         self.stage = Some(Stage::new(
             &self.name,
-            Mesh::from_fields(fields),
+            Mesh::from_fields(2, fields).and_then(Triangles::of),
             &self.walls,
             values(fields, Field::GrainRadius).to_vec(),
             self.grain_fixed.clone(),

@@ -1,6 +1,6 @@
 //! What is drawn: the stage, which does not change during a run, and the states on it.
 
-use run::vtu::mesh::{Mesh, bounds};
+use crate::plane::{Triangles, bounds};
 
 /// What stays the same in all pictures of a run.
 #[derive(Debug, Clone)]
@@ -8,7 +8,7 @@ pub struct Stage {
     /// Name of the scene.
     pub name: String,
     /// The fluid's mesh.
-    pub mesh: Option<Mesh>,
+    pub mesh: Option<Triangles>,
     /// Boundaries and walls as segments \[m\].
     pub outlines: Vec<[[f64; 2]; 2]>,
     /// Radii of the grains \[m\].
@@ -23,7 +23,7 @@ impl Stage {
     /// The stage of a mesh, walls and grains; `room` is the rectangle of a scene without fluid.
     pub fn new(
         name: &str,
-        mesh: Option<Mesh>,
+        mesh: Option<Triangles>,
         walls: &[[[f64; 2]; 2]],
         grain_radius: Vec<f64>,
         grain_fixed: Vec<bool>,
