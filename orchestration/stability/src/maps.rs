@@ -119,124 +119,164 @@ const SIZE: f64 = 0.125;
 /// Every map.
 pub fn all() -> Vec<Map> {
     vec![
-        Map {
-            name: "stiffness-porosity",
-            title: "closed column, ρ_p/ρ = 2.5; limit: slip of zero volume flux",
-            across: stiffness(),
-            up: porosity(),
-            coupled: true,
-            case: |stiffness, porosity| scenes::column(stiffness, porosity, 2.5, SIZE),
-        },
-        Map {
-            name: "stiffness-loading",
-            title: "closed column, φ = 0.7; limit: slip of zero volume flux",
-            across: stiffness(),
-            up: Axis::new(
-                "mass loading",
-                &[3e-4, 3e-3, 3e-2, 0.3, 3.0, 30.0, 400.0, 4e3],
-                &[0, 3, 7],
-            ),
-            coupled: true,
-            case: |stiffness, loading| scenes::column(stiffness, 0.7, loading * 0.7 / 0.3, SIZE),
-        },
-        Map {
-            name: "density-porosity",
-            title: "closed column, Δt/τ_p = 1e3; limit: slip of zero volume flux",
-            across: Axis::new(
-                "density ratio ρ_p/ρ",
-                &[1e-3, 1e-2, 0.1, 0.5, 1.0, 2.0, 10.0, 1e2, 1e3, 1e4],
-                &[0, 4, 5, 9],
-            ),
-            up: porosity(),
-            coupled: true,
-            case: |ratio, porosity| scenes::column(1e3, porosity, ratio, SIZE),
-        },
-        Map {
-            name: "stiffness-reynolds",
-            title: "grains shot into fluid at rest, periodic, φ = 0.9; limit: common velocity",
-            across: stiffness(),
-            up: Axis::new(
-                "grain Reynolds number",
-                &[0.0, 1e-2, 1.0, 1e2, 1e3, 1e4],
-                &[0, 2, 5],
-            ),
-            coupled: true,
-            case: |stiffness, reynolds| scenes::drift(reynolds, stiffness),
-        },
-        Map {
-            name: "stiffness-size",
-            title: "closed column, φ = 0.8, ρ_p/ρ = 2.5; limit: slip of zero volume flux",
-            across: stiffness(),
-            up: Axis::new(
-                "grain/cell size d/h",
-                &[2e-3, 2e-2, 0.125, 0.25, 0.5, 1.0, 2.0],
-                &[0, 3, 6],
-            ),
-            coupled: true,
-            case: |stiffness, size| scenes::column(stiffness, 0.8, 2.5, size),
-        },
-        Map {
-            name: "courant-peclet",
-            title: "a lattice that moves with the fluid, periodic; limit: it goes on",
-            across: Axis::new(
-                "CFL number v Δt/h",
-                &[1e-2, 0.1, 0.5, 1.0, 2.0, 10.0, 1e2],
-                &[0, 3, 6],
-            ),
-            up: Axis::new(
-                "cell Péclet number ρvh/μ",
-                &[1e-4, 1e-2, 1.0, 10.0, 1e2, 1e3],
-                &[0, 2, 5],
-            ),
-            coupled: true,
-            case: scenes::translation,
-        },
-        Map {
-            name: "stiffness-stack",
-            title: "stack held by its floor at U_mf/2; limit: its pressure drop",
-            across: stiffness(),
-            up: Axis::new(
-                "stack height [grains]",
-                &[4.0, 16.0, 64.0, 256.0],
-                &[0, 1, 2],
-            ),
-            coupled: true,
-            case: |stiffness, layers| scenes::held(layers, stiffness),
-        },
-        Map {
-            name: "radius-contacts",
-            title: "dry grains falling into a box; limit: rest",
-            across: Axis::new(
-                "radius ratio",
-                &[1.0, 2.0, 5.0, 10.0, 30.0, 100.0],
-                &[0, 3, 5],
-            ),
-            up: Axis::new(
-                "contacts",
-                &[10.0, 30.0, 100.0, 300.0, 1e3, 3e3],
-                &[0, 2, 3],
-            ),
-            coupled: false,
-            case: scenes::pile,
-        },
-        Map {
-            name: "step-pair",
-            title: "closed column under real gravity, c = 0.2; limit: fall at zero volume flux",
-            across: Axis::new("Δt [s]", &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2], &[0, 3, 4]),
-            up: pairs(),
-            coupled: true,
-            case: |step, place| scenes::pair(pair(place, 0.2), step),
-        },
-        Map {
-            name: "fraction-pair",
-            title: "closed column under real gravity, Δt = 1 ms; limit: fall at zero volume flux",
-            // 0.8 of the table is denser than disks on a square lattice.
-            across: Axis::new("solid fraction", &[0.01, 0.05, 0.2, 0.6], &[0, 3]),
-            up: pairs(),
-            coupled: true,
-            case: |fraction, place| scenes::pair(pair(place, fraction), 1e-3),
-        },
+        stiffness_porosity(),
+        stiffness_loading(),
+        density_porosity(),
+        stiffness_reynolds(),
+        stiffness_size(),
+        courant_peclet(),
+        stiffness_stack(),
+        radius_contacts(),
+        step_pair(),
+        fraction_pair(),
     ]
+}
+
+fn stiffness_porosity() -> Map {
+    Map {
+        name: "stiffness-porosity",
+        title: "closed column, ρ_p/ρ = 2.5; limit: slip of zero volume flux",
+        across: stiffness(),
+        up: porosity(),
+        coupled: true,
+        case: |stiffness, porosity| scenes::column(stiffness, porosity, 2.5, SIZE),
+    }
+}
+
+fn stiffness_loading() -> Map {
+    Map {
+        name: "stiffness-loading",
+        title: "closed column, φ = 0.7; limit: slip of zero volume flux",
+        across: stiffness(),
+        up: Axis::new(
+            "mass loading",
+            &[3e-4, 3e-3, 3e-2, 0.3, 3.0, 30.0, 400.0, 4e3],
+            &[0, 3, 7],
+        ),
+        coupled: true,
+        case: |stiffness, loading| scenes::column(stiffness, 0.7, loading * 0.7 / 0.3, SIZE),
+    }
+}
+
+fn density_porosity() -> Map {
+    Map {
+        name: "density-porosity",
+        title: "closed column, Δt/τ_p = 1e3; limit: slip of zero volume flux",
+        across: Axis::new(
+            "density ratio ρ_p/ρ",
+            &[1e-3, 1e-2, 0.1, 0.5, 1.0, 2.0, 10.0, 1e2, 1e3, 1e4],
+            &[0, 4, 5, 9],
+        ),
+        up: porosity(),
+        coupled: true,
+        case: |ratio, porosity| scenes::column(1e3, porosity, ratio, SIZE),
+    }
+}
+
+fn stiffness_reynolds() -> Map {
+    Map {
+        name: "stiffness-reynolds",
+        title: "grains shot into fluid at rest, periodic, φ = 0.9; limit: common velocity",
+        across: stiffness(),
+        up: Axis::new(
+            "grain Reynolds number",
+            &[0.0, 1e-2, 1.0, 1e2, 1e3, 1e4],
+            &[0, 2, 5],
+        ),
+        coupled: true,
+        case: |stiffness, reynolds| scenes::drift(reynolds, stiffness),
+    }
+}
+
+fn stiffness_size() -> Map {
+    Map {
+        name: "stiffness-size",
+        title: "closed column, φ = 0.8, ρ_p/ρ = 2.5; limit: slip of zero volume flux",
+        across: stiffness(),
+        up: Axis::new(
+            "grain/cell size d/h",
+            &[2e-3, 2e-2, 0.125, 0.25, 0.5, 1.0, 2.0],
+            &[0, 3, 6],
+        ),
+        coupled: true,
+        case: |stiffness, size| scenes::column(stiffness, 0.8, 2.5, size),
+    }
+}
+
+fn courant_peclet() -> Map {
+    Map {
+        name: "courant-peclet",
+        title: "a lattice that moves with the fluid, periodic; limit: it goes on",
+        across: Axis::new(
+            "CFL number v Δt/h",
+            &[1e-2, 0.1, 0.5, 1.0, 2.0, 10.0, 1e2],
+            &[0, 3, 6],
+        ),
+        up: Axis::new(
+            "cell Péclet number ρvh/μ",
+            &[1e-4, 1e-2, 1.0, 10.0, 1e2, 1e3],
+            &[0, 2, 5],
+        ),
+        coupled: true,
+        case: scenes::translation,
+    }
+}
+
+fn stiffness_stack() -> Map {
+    Map {
+        name: "stiffness-stack",
+        title: "stack held by its floor at U_mf/2; limit: its pressure drop",
+        across: stiffness(),
+        up: Axis::new(
+            "stack height [grains]",
+            &[4.0, 16.0, 64.0, 256.0],
+            &[0, 1, 2],
+        ),
+        coupled: true,
+        case: |stiffness, layers| scenes::held(layers, stiffness),
+    }
+}
+
+fn radius_contacts() -> Map {
+    Map {
+        name: "radius-contacts",
+        title: "dry grains falling into a box; limit: rest",
+        across: Axis::new(
+            "radius ratio",
+            &[1.0, 2.0, 5.0, 10.0, 30.0, 100.0],
+            &[0, 3, 5],
+        ),
+        up: Axis::new(
+            "contacts",
+            &[10.0, 30.0, 100.0, 300.0, 1e3, 3e3],
+            &[0, 2, 3],
+        ),
+        coupled: false,
+        case: scenes::pile,
+    }
+}
+
+fn step_pair() -> Map {
+    Map {
+        name: "step-pair",
+        title: "closed column under real gravity, c = 0.2; limit: fall at zero volume flux",
+        across: Axis::new("Δt [s]", &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2], &[0, 3, 4]),
+        up: pairs(),
+        coupled: true,
+        case: |step, place| scenes::pair(pair(place, 0.2), step),
+    }
+}
+
+fn fraction_pair() -> Map {
+    Map {
+        name: "fraction-pair",
+        title: "closed column under real gravity, Δt = 1 ms; limit: fall at zero volume flux",
+        // 0.8 of the table is denser than disks on a square lattice.
+        across: Axis::new("solid fraction", &[0.01, 0.05, 0.2, 0.6], &[0, 3]),
+        up: pairs(),
+        coupled: true,
+        case: |fraction, place| scenes::pair(pair(place, fraction), 1e-3),
+    }
 }
 
 #[cfg(test)]

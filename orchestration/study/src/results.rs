@@ -165,10 +165,10 @@ fn hold_against(study: &StudyFile, rows: &mut [Row]) {
 }
 
 fn row(study: &StudyFile, point: &Point, samples: &[Sample], truth: Option<f64>) -> Row {
-    let runs: Vec<(&f64, &Cost)> = samples
+    let runs: Vec<(f64, &Cost)> = samples
         .iter()
         .filter_map(|sample| match sample {
-            Sample::Run { value, cost, .. } => Some((value, cost)),
+            Sample::Run { value, cost, .. } => Some((*value, cost)),
             Sample::Failed(_) => None,
         })
         .collect();
@@ -176,43 +176,10 @@ fn row(study: &StudyFile, point: &Point, samples: &[Sample], truth: Option<f64>)
         Sample::Failed(why) => Some(why.clone()),
         Sample::Run { .. } => None,
     });
-    let over = |pick: &dyn Fn(&Cost) -> f64| {
-        analysis::median(&runs.iter().map(|(_, cost)| pick(cost)).collect::<Vec<_>>())
-    };
-    let by_process = |pick: fn(&Cost) -> &BTreeMap<String, f64>| -> BTreeMap<String, f64> {
-        let names = runs
-            .first()
-            .map(|(_, cost)| pick(cost).keys().cloned().collect::<Vec<_>>());
-        names
-            .unwrap_or_default()
-            .into_iter()
-            .map(|name| {
-                let median =
-                    over(&|cost: &Cost| pick(cost).get(&name).copied().unwrap_or(f64::NAN));
-                (name, median)
-            })
-            .collect()
-    };
-    let value = analysis::median(&runs.iter().map(|(value, _)| **value).collect::<Vec<_>>());
+    let value = analysis::median(&runs.iter().map(|(value, _)| *value).collect::<Vec<_>>());
     let reference = point.reference.or(truth);
-    let also_of = |index: usize| -> Vec<f64> {
-        let all = samples.iter();
-        all.filter_map(|sample| match sample {
-            Sample::Run { also, .. } => also[index].as_ref().ok().copied(),
-            Sample::Failed(_) => None,
-        })
-        .collect()
-    };
-    let also_unknown = (0..study.also.len())
-        .map(|index| {
-            samples.iter().find_map(|sample| match sample {
-                Sample::Run { also, .. } => also[index].as_ref().err().cloned(),
-                Sample::Failed(_) => None,
-            })
-        })
-        .collect();
     let also: Vec<f64> = (0..study.also.len())
-        .map(|index| analysis::median(&also_of(index)))
+        .map(|index| analysis::median(&known(samples, index)))
         .collect();
     let also_errors = also
         .iter()
@@ -230,20 +197,55 @@ fn row(study: &StudyFile, point: &Point, samples: &[Sample], truth: Option<f64>)
             .filter(|error| error.is_finite()),
         also,
         also_errors,
-        also_unknown,
+        also_unknown: (0..study.also.len())
+            .map(|index| why_unknown(samples, index))
+            .collect(),
         order: None,
         front: false,
-        cost: Cost {
-            cpu: by_process(|cost| &cost.cpu),
-            cpu_total: over(&|cost| cost.cpu_total),
-            wall: over(&|cost| cost.wall),
-            memory_peak: by_process(|cost| &cost.memory_peak),
-            steps: over(&|cost| cost.steps),
-            passes: over(&|cost| cost.passes),
-            load: over(&|cost| cost.load),
-        },
+        cost: median_cost(&runs.iter().map(|(_, cost)| *cost).collect::<Vec<_>>()),
         runs: runs.len(),
         failed: failed.filter(|_| runs.is_empty()),
+    }
+}
+
+/// Of the runs that know it: the further number at `index`.
+fn known(samples: &[Sample], index: usize) -> Vec<f64> {
+    let number = |sample: &Sample| match sample {
+        Sample::Run { also, .. } => also[index].as_ref().ok().copied(),
+        Sample::Failed(_) => None,
+    };
+    samples.iter().filter_map(number).collect()
+}
+
+/// Why the first run that does not know it does not.
+fn why_unknown(samples: &[Sample], index: usize) -> Option<String> {
+    samples.iter().find_map(|sample| match sample {
+        Sample::Run { also, .. } => also[index].as_ref().err().cloned(),
+        Sample::Failed(_) => None,
+    })
+}
+
+/// The median of each cost on its own.
+fn median_cost(costs: &[&Cost]) -> Cost {
+    let over = |pick: &dyn Fn(&Cost) -> f64| {
+        analysis::median(&costs.iter().map(|cost| pick(cost)).collect::<Vec<_>>())
+    };
+    let by_process = |pick: fn(&Cost) -> &BTreeMap<String, f64>| -> BTreeMap<String, f64> {
+        let names = costs.first().into_iter().flat_map(|cost| pick(cost).keys());
+        let median = |name: &String| {
+            let of = |cost: &Cost| pick(cost).get(name).copied().unwrap_or(f64::NAN);
+            (name.clone(), over(&of))
+        };
+        names.map(median).collect()
+    };
+    Cost {
+        cpu: by_process(|cost| &cost.cpu),
+        cpu_total: over(&|cost| cost.cpu_total),
+        wall: over(&|cost| cost.wall),
+        memory_peak: by_process(|cost| &cost.memory_peak),
+        steps: over(&|cost| cost.steps),
+        passes: over(&|cost| cost.passes),
+        load: over(&|cost| cost.load),
     }
 }
 
