@@ -1,6 +1,6 @@
 //! Grains in a fluid: where they are on its mesh, their drag, and the force of the fluid on them.
 
-use protocol::scene::{DragLaw, Geometry};
+use protocol::scene::{DragLaw, Geometry, LUMPED_RATIO_MAX};
 use space::{Dim, Dimension, Vector, hypot};
 
 use crate::drag::laws::{self, Fluid, POROSITY_RANGE, Shape};
@@ -8,9 +8,6 @@ use crate::drag::slip::implicit_slip_speed;
 use crate::error::{CouplerError, place};
 use crate::state::{Flow, Grains};
 use crate::transfer::deposit::{Placement, Transfer};
-
-/// Deposited fields keep the lumped mass up to this ratio of grain diameter to cell size.
-pub const LUMPED_RATIO_MAX: f64 = 0.25;
 
 /// What grains and fluid need of each other.
 #[derive(Debug)]

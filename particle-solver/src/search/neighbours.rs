@@ -14,15 +14,13 @@
 //! bits as a new search. A grain whose distance from all walls has not been used up by its own
 //! displacement looks at no wall.
 
-use space::grid::{Grid, pair_images};
+use space::grid::{Grid, SPARE, pair_images};
 use space::periodic::{Image, shortest_image};
 use space::{Dim, Dimension, Vector, norm};
 
 use crate::search::place::Place;
 use crate::walls::near::WallContact;
 
-/// Reach of the list beyond what the step needs, of the radius.
-pub const SPARE: f64 = 0.4;
 /// Part of s that round-off of positions may take.
 const SAFE: f64 = 1.0 - 1e-6;
 /// Reach beyond the radius, of the radius, above which a list is too long to be worth keeping.

@@ -10,6 +10,9 @@
 use crate::periodic::{Image, Period, each_image, is_periodic, shifted, shortest_image};
 use crate::vector::{Vector, dot};
 
+/// Spare reach of a search whose pairs are kept for the steps that follow, of the radius.
+pub const SPARE: f64 = 0.4;
+
 /// A body in a level.
 #[derive(Debug, Clone, Copy)]
 struct Entry<const D: usize> {

@@ -6,20 +6,17 @@
 
 use std::fmt;
 
-use protocol::configure::{Boundary, Convection, MeshSource, Scheme, Wall};
+use protocol::configure::{Boundary, Convection, LUMPED_RATIO_MAX, MeshSource, Scheme, Wall};
 use protocol::field::Field;
 use protocol::messages::Role;
 use serde::Serialize;
+use space::grid::SPARE;
 
 use super::cost::Cost;
 use crate::scene::Scene;
 
 /// Reynolds number below which the built-in fluid leaves convection out (fluid-solver/src/creeping.rs).
 pub const CREEPING_REYNOLDS: f64 = 1e-3;
-/// Deposited fields keep the lumped mass up to this ratio of grain diameter to cell size.
-pub const LUMPED_RATIO_MAX: f64 = 0.25;
-/// Reach of a kept search beyond the radius, of the radius (particle-solver/src/neighbours.rs).
-pub const SPARE: f64 = 0.4;
 
 /// Why nothing of the particle engine is needed.
 const NO_PROCESS: &str = "every grain is fixed: there is no particle process";

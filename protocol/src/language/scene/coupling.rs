@@ -8,6 +8,9 @@ use crate::language::role::Role;
 use super::fluid::FluidScene;
 use super::particles::ParticleScene;
 
+/// Deposited fields keep the lumped mass up to this ratio of grain diameter to cell size.
+pub const LUMPED_RATIO_MAX: f64 = 0.25;
+
 /// What the coupler needs to know: the resolved scene, written to the run folder as JSON.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -10,6 +10,8 @@ mod particles;
 
 pub use boundary::{Boundary, Profile};
 pub use convection::Convection;
-pub use coupling::{AdaptiveStep, CouplerScene, DragLaw, Geometry, Limits, Scheme};
+pub use coupling::{
+    AdaptiveStep, CouplerScene, DragLaw, Geometry, LUMPED_RATIO_MAX, Limits, Scheme,
+};
 pub use fluid::{Diagonals, FluidScene, MeshSource, Nonlinear, TimeScheme, ViscousForm};
 pub use particles::{ParticleScene, Wall};
