@@ -14,7 +14,7 @@
 //! use fluid_solver::config::FluidConfig;
 //! use fluid_solver::rectangle::Rectangle;
 //! use fluid_solver::state::SolidFields;
-//! use fluid_solver::step::FluidSolver;
+//! use fluid_solver::step::{FluidSolver, Request};
 //!
 //! # fn main() -> Result<(), fluid_solver::error::FluidError> {
 //! let mesh = Rectangle::new([0.0, 0.0], [1.0, 1.0], [8, 8]).mesh()?;
@@ -22,7 +22,7 @@
 //!     .with("all", Condition::NoSlip)
 //!     .with("top", Condition::Uniform([0.1, 0.0]));
 //! let mut solver = FluidSolver::new(config, mesh)?;
-//! let candidate = solver.advance(0.1, &SolidFields::default())?;
+//! let candidate = solver.advance(&Request::first(1, 0.1), &SolidFields::default())?;
 //! assert!(candidate.powers.kinetic_energy > 0.0);
 //! solver.commit()?;
 //! # Ok(())
@@ -33,6 +33,7 @@ pub mod assembly;
 pub mod boundary;
 pub mod config;
 pub mod continuity;
+pub mod cost;
 pub mod creeping;
 pub mod diagnostics;
 pub mod dissection;

@@ -12,7 +12,7 @@ use crate::element::{QUADRATURE, interpolate};
 use crate::error::FluidError;
 use crate::mesh::Mesh;
 use crate::state::{Flow, SolidFields, State};
-use crate::step::FluidSolver;
+use crate::step::{FluidSolver, Request};
 use jet::Jet;
 
 /// φ, v, p and β as functions of (x, y, t), for ρ and μ.
@@ -117,7 +117,7 @@ impl Exact {
             solid_flux: Some(flux.as_flattened()),
             ..SolidFields::default()
         };
-        solver.advance(dt, &fields)?;
+        solver.advance(&Request::first(1, dt), &fields)?;
         solver.commit()?;
         Ok(())
     }

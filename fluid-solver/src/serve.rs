@@ -16,7 +16,7 @@ use crate::mesh::Mesh;
 use crate::point::ViscousForm;
 use crate::rectangle::{Diagonals, Rectangle};
 use crate::state::{SolidFields, State};
-use crate::step::FluidSolver;
+use crate::step::{FluidSolver, Request};
 
 /// The built-in fluid engine.
 #[derive(Default)]
@@ -70,10 +70,13 @@ impl FluidEngine for Engine {
             solid_flux: solid.solid_flux,
             solid_mobility: solid.solid_mobility,
         };
-        let candidate = self
-            .solver()?
-            .advance(request.dt, &fields)
-            .map_err(failure)?;
+        let request = Request {
+            step: request.step,
+            pass: request.pass,
+            dt: request.dt,
+        };
+        let candidate = self.solver()?.advance(&request, &fields);
+        let candidate = candidate.map_err(failure)?;
         let copies = [
             (
                 answer.interstitial_velocity,

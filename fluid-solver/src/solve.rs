@@ -5,11 +5,10 @@
 //!   residual  ‖S(r − K(v)x)‖ / ‖S |K(v)||x|‖ over the free unknowns, S the nodal scaling
 //! ```
 
-use std::time::Instant;
-
 use crate::assembly::System;
 use crate::boundary::Constraints;
 use crate::config::Nonlinear;
+use crate::cost::{Cost, cpu_seconds};
 use crate::diagnostics::{Numbers, named};
 use crate::error::FluidError;
 use crate::linear::LinearSolver;
@@ -47,7 +46,7 @@ impl MatrixKey {
     }
 }
 
-/// What the solves cost and how good they are.
+/// How many solves a candidate took, and how good they are.
 #[derive(Debug, Default, Clone, Copy)]
 pub struct Effort {
     backward_error: f64,
@@ -55,9 +54,6 @@ pub struct Effort {
     iterations: usize,
     factorised: usize,
     pivoted: bool,
-    assembly: f64,
-    factor: f64,
-    solve: f64,
 }
 
 impl Effort {
@@ -69,14 +65,11 @@ impl Effort {
             ("iterations", self.iterations as f64),
             ("factorised", self.factorised as f64),
             ("pivoted", f64::from(u8::from(self.pivoted))),
-            ("seconds_assembly", self.assembly),
-            ("seconds_factor", self.factor),
-            ("seconds_solve", self.solve),
         ])
     }
 }
 
-/// The pieces that a solve needs, and what it cost so far.
+/// The pieces that a solve needs, and what came of them.
 pub struct Equations<'a> {
     /// The mesh.
     pub mesh: &'a Mesh,
@@ -92,8 +85,10 @@ pub struct Equations<'a> {
     pub given: &'a [f64],
     /// ∮ N_i Q_n
     pub flux: &'a [f64],
-    /// Cost so far.
+    /// Solves so far.
     pub effort: Effort,
+    /// CPU time so far.
+    pub cost: &'a mut Cost,
 }
 
 impl Equations<'_> {
@@ -177,26 +172,27 @@ impl Equations<'_> {
     }
 
     fn assemble(&mut self, terms: &Coefficients<'_>, matrix_too: bool) {
-        let begin = Instant::now();
+        let begin = cpu_seconds();
         self.system
             .assemble(terms, self.mesh, self.constraints, self.flux, matrix_too);
-        self.effort.assembly += begin.elapsed().as_secs_f64();
+        self.cost.assembly += cpu_seconds() - begin;
     }
 
     fn factorise(&mut self) {
-        let begin = Instant::now();
+        let begin = cpu_seconds();
         *self.key = None;
         self.linear.factorise(self.system);
         self.effort.factorised += 1;
-        self.effort.factor += begin.elapsed().as_secs_f64();
+        self.cost.factor += cpu_seconds() - begin;
     }
 
     fn solve(&mut self) -> Result<Vec<f64>, FluidError> {
-        let begin = Instant::now();
-        let solution = self.linear.solve(self.system, self.given)?;
+        let begin = cpu_seconds();
+        let solved = self.linear.solve(self.system, self.given);
+        self.cost.solve += cpu_seconds() - begin;
+        let solution = solved?;
         self.effort.backward_error = self.effort.backward_error.max(solution.backward_error);
         self.effort.pivoted |= solution.pivoted;
-        self.effort.solve += begin.elapsed().as_secs_f64();
         Ok(solution.unknowns)
     }
 }

@@ -12,6 +12,7 @@ use std::sync::Arc;
 use crate::assembly::{System, turn_back};
 use crate::boundary::{Constraints, resolve_names};
 use crate::config::{FluidConfig, Nonlinear, TimeScheme};
+use crate::cost::{Cost, cpu_seconds};
 use crate::creeping::Creeping;
 use crate::diagnostics::{Numbers, Powers, Solved};
 use crate::error::FluidError;
@@ -21,9 +22,35 @@ use crate::point::{Carrier, Coefficients};
 use crate::solve::{Effort, Equations, MatrixKey};
 use crate::state::{Flow, Solid, SolidFields, State, finite};
 
+/// Which candidate is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Request {
+    /// Number of the step.
+    pub step: u64,
+    /// Pass within the step.
+    pub pass: u32,
+    /// Length of the step \[s\].
+    pub dt: f64,
+}
+
+impl Request {
+    /// The first pass of a step.
+    pub fn first(step: u64, dt: f64) -> Request {
+        Request { step, pass: 0, dt }
+    }
+
+    /// Is this a further pass of the same step? A repeated pass and a step of another length are not:
+    /// they begin again.
+    fn follows(&self, other: &Request) -> bool {
+        self.step == other.step && self.dt == other.dt && self.pass > other.pass
+    }
+}
+
 /// What `advance` computed.
 #[derive(Debug, Clone)]
 pub struct Candidate {
+    /// What was asked for.
+    pub request: Request,
     /// The state at the end of the step.
     pub state: State,
     /// v_α = u_α/φ_α \[m/s\].
@@ -67,8 +94,8 @@ pub struct FluidSolver {
     candidate: Option<Candidate>,
     key: Option<MatrixKey>,
     creeping: Creeping,
-    /// Is convection there from the step after the accepted state on?
-    convected: bool,
+    /// CPU time since the last commit.
+    cost: Cost,
 }
 
 /// Weights of the time derivative and of the extrapolation.
@@ -125,7 +152,7 @@ impl FluidSolver {
         let creeping = Creeping::new(config.density, config.dynamic_viscosity, &mesh);
         Ok(FluidSolver {
             creeping,
-            convected: false,
+            cost: Cost::default(),
             config,
             mesh,
             constraints,
@@ -150,14 +177,18 @@ impl FluidSolver {
 
     /// Replace the accepted state, e.g. by a checkpoint of the same mesh.
     pub fn set_state(&mut self, state: State) {
-        self.convected = state.convected;
         self.accepted = state;
         self.candidate = None;
     }
 
     /// Compute a candidate from the accepted state, which stays as it is.
-    pub fn advance(&mut self, dt: f64, fields: &SolidFields<'_>) -> Result<&Candidate, FluidError> {
-        self.candidate = None;
+    pub fn advance(
+        &mut self,
+        request: &Request,
+        fields: &SolidFields<'_>,
+    ) -> Result<&Candidate, FluidError> {
+        let last = self.candidate.take();
+        let dt = request.dt;
         if !(dt > 0.0 && dt.is_finite()) {
             let why = "must be positive and finite";
             return Err(FluidError::Parameter {
@@ -168,7 +199,9 @@ impl FluidSolver {
         }
         let solid = Solid::new(fields, &self.mesh)?;
         let pool = Arc::clone(&self.pool);
-        let candidate = pool.install(|| self.compute(dt, &solid))?;
+        let further = last.filter(|last| request.follows(&last.request));
+        let convected = further.map_or(self.accepted.convected, |last| last.state.convected);
+        let candidate = pool.install(|| self.compute(request, &solid, convected))?;
         Ok(self.candidate.insert(candidate))
     }
 
@@ -176,14 +209,19 @@ impl FluidSolver {
     pub fn commit(&mut self) -> Result<(), FluidError> {
         let candidate = self.candidate.take().ok_or(FluidError::NoCandidate)?;
         self.accepted = candidate.state;
+        self.cost = Cost::default();
         Ok(())
     }
 
-    fn compute(&mut self, dt: f64, solid: &Solid) -> Result<Candidate, FluidError> {
-        let time = self.accepted.time + dt;
+    fn compute(
+        &mut self,
+        request: &Request,
+        solid: &Solid,
+        convected: bool,
+    ) -> Result<Candidate, FluidError> {
         let now = self.accepted.flow_with(&solid.matrix.porosity);
         let before = self.accepted.before.take();
-        let result = self.compute_as_needed(dt, time, &now, before.as_ref(), solid);
+        let result = self.compute_as_needed(request, &now, before.as_ref(), solid, convected);
         self.accepted.before = before;
         result
     }
@@ -199,27 +237,29 @@ impl FluidSolver {
     }
 
     /// Without convection while the flow creeps; the first candidate that does not is computed
-    /// again with it, and so is every later one: passes of a step must not differ in their equations.
+    /// again with it, and `convected` are later passes of its step, whose equations must not differ,
+    /// and all steps after it.
     fn compute_as_needed(
         &mut self,
-        dt: f64,
-        time: f64,
+        request: &Request,
         now: &Flow,
         before: Option<&(Flow, f64)>,
         solid: &Solid,
+        mut convected: bool,
     ) -> Result<Candidate, FluidError> {
         let bound = self
             .config
             .creeping_below
             .filter(|_| self.config.convection);
-        if let (Some(bound), false) = (bound, self.convected) {
-            let mut candidate = self.compute_from(dt, time, now, before, solid, false)?;
+        if let (Some(bound), false) = (bound, convected) {
+            let mut candidate = self.compute_from(request, now, before, solid, false)?;
             let reynolds = candidate.number("reynolds").unwrap_or(f64::INFINITY);
             if reynolds <= bound {
                 return Ok(candidate);
             }
-            tracing::info!(time, reynolds, bound, "convection is there from now on");
-            self.convected = true;
+            let Request { step, pass, .. } = *request;
+            tracing::info!(step, pass, reynolds, bound, "convection is there");
+            convected = true;
             if before.is_none() && now.is_at_rest() && !self.iterates() {
                 // Nothing convects in this step: it has been solved with all terms.
                 candidate.state.convected = true;
@@ -227,21 +267,24 @@ impl FluidSolver {
                 return Ok(candidate);
             }
         }
-        self.compute_from(dt, time, now, before, solid, self.config.convection)
+        let mut candidate =
+            self.compute_from(request, now, before, solid, self.config.convection)?;
+        candidate.state.convected = convected;
+        Ok(candidate)
     }
 
     fn compute_from(
         &mut self,
-        dt: f64,
-        time: f64,
+        request: &Request,
         now: &Flow,
         before: Option<&(Flow, f64)>,
         solid: &Solid,
         convection: bool,
     ) -> Result<Candidate, FluidError> {
+        let time = self.accepted.time + request.dt;
         let config = self.config.clone();
         let iterated = convection && self.iterates();
-        let weights = TimeWeights::new(config.time_scheme, dt, before.map(|(_, dt)| *dt));
+        let weights = TimeWeights::new(config.time_scheme, request.dt, before.map(|(_, dt)| *dt));
         let joins = |flow, (convects, history): (f64, f64)| {
             let convects = if convection { convects } else { 0.0 };
             Carrier {
@@ -280,6 +323,7 @@ impl FluidSolver {
             given: &given,
             flux: &flux,
             effort: Effort::default(),
+            cost: &mut self.cost,
         };
         let (unknowns, last) = if iterated {
             let (unknowns, flow) = equations.iterate(&terms, now, config.nonlinear)?;
@@ -293,17 +337,17 @@ impl FluidSolver {
             carriers: relayed.as_deref().unwrap_or(&carriers),
             ..terms
         };
-        self.finish(&terms, unknowns, &flux, &effort, (now, dt), convection)
+        self.finish(&terms, unknowns, &flux, &effort, (now, request), convection)
     }
 
     /// Fields and numbers from the unknowns.
     fn finish(
-        &self,
+        &mut self,
         terms: &Coefficients<'_>,
         unknowns: Vec<f64>,
         flux: &[f64],
         effort: &Effort,
-        (now, dt): (&Flow, f64),
+        (now, request): (&Flow, &Request),
         convection: bool,
     ) -> Result<Candidate, FluidError> {
         let velocity = velocity_of(&unknowns, &self.constraints.frames);
@@ -315,6 +359,7 @@ impl FluidSolver {
             &self.mesh,
         )?;
         finite("pressure", &pressure, 1, &self.mesh)?;
+        let begin = cpu_seconds();
         let solved = Solved {
             terms,
             mesh: &self.mesh,
@@ -333,18 +378,20 @@ impl FluidSolver {
         diagnostics.extend(solved.inflow());
         diagnostics.extend(solved.wall_forces(&forces));
         diagnostics.extend(effort.numbers());
-        let pressure_gradient = self.mesh.averaged_gradient(&pressure);
         let flow = Flow {
             superficial_velocity: velocity,
             porosity: terms.solid.matrix.porosity.clone(),
         };
-        let interstitial_velocity = flow.interstitial_velocity();
         let reynolds = self.creeping.reynolds(&flow, &self.mesh);
+        self.cost.powers += cpu_seconds() - begin;
+        diagnostics.extend(self.cost.numbers());
+        let interstitial_velocity = flow.interstitial_velocity();
+        let pressure_gradient = self.mesh.averaged_gradient(&pressure);
         diagnostics.push(("reynolds".to_owned(), reynolds));
         diagnostics.push(("convection".to_owned(), f64::from(u8::from(convection))));
-        let before = Some((now.clone(), dt));
+        let before = Some((now.clone(), request.dt));
         let state = State {
-            convected: self.convected,
+            convected: false,
             time: terms.time,
             fresh: false,
             now: flow,
@@ -352,6 +399,7 @@ impl FluidSolver {
             pressure,
         };
         Ok(Candidate {
+            request: *request,
             state,
             interstitial_velocity,
             pressure_gradient,

@@ -6,7 +6,7 @@ use fluid_solver::mesh::Mesh;
 use fluid_solver::point::ViscousForm;
 use fluid_solver::rectangle::{Diagonals, Rectangle};
 use fluid_solver::state::{Flow, SolidFields, State};
-use fluid_solver::step::FluidSolver;
+use fluid_solver::step::{FluidSolver, Request};
 
 use crate::support::{Random, deposit, largest_difference};
 
@@ -86,7 +86,7 @@ fn fluid_rests_under_oblique_gravity_whatever_the_porosity() {
                 ..SolidFields::default()
             };
             for _ in 0..3 {
-                solver.advance(dt, &fields).unwrap();
+                solver.advance(&Request::first(1, dt), &fields).unwrap();
                 solver.commit().unwrap();
             }
             let state = solver.state();
@@ -173,7 +173,7 @@ fn packing_and_fluid_translate_together_through_the_mesh() {
                     solid_flux: Some(&flux),
                     solid_mobility: Some(&mobility),
                 };
-                solver.advance(dt, &fields).unwrap();
+                solver.advance(&Request::first(1, dt), &fields).unwrap();
                 solver.commit().unwrap();
             }
             let v = solver.state().now.interstitial_velocity();
@@ -219,7 +219,9 @@ fn plug_flow_between_oblique_slip_walls_is_exact() {
         .with("right", Condition::Open(0.0));
     config.initial_velocity = along;
     let mut solver = FluidSolver::new(config, turned([12, 6], angle)).unwrap();
-    let candidate = solver.advance(0.1, &SolidFields::default()).unwrap();
+    let candidate = solver
+        .advance(&Request::first(1, 0.1), &SolidFields::default())
+        .unwrap();
     let difference = largest_difference(&candidate.interstitial_velocity, |_| along);
     println!("largest |v - U| {difference:.1e}");
     assert!(difference <= 1e-12);
@@ -255,7 +257,7 @@ fn energy_identity_closes_to_round_off() {
         let mut solver = FluidSolver::new(config, mesh).unwrap();
         for step in 1..=3 {
             let powers = solver
-                .advance(0.01 * f64::from(step), &solid.fields())
+                .advance(&Request::first(1, 0.01 * f64::from(step)), &solid.fields())
                 .unwrap()
                 .powers;
             let relative = powers.defect().abs() / powers.scale();
@@ -281,27 +283,45 @@ fn another_pass_reuses_the_factor_and_leaves_the_accepted_state_alone() {
     let mut config = FluidConfig::new(1000.0, 0.1).with("all", Condition::NoSlip);
     config.gravity = [0.0, -9.81];
     let mut solver = FluidSolver::new(config, mesh).unwrap();
-    solver.advance(0.01, &solid.fields()).unwrap();
+    solver
+        .advance(&Request::first(1, 0.01), &solid.fields())
+        .unwrap();
     solver.commit().unwrap();
     let accepted = solver.state().clone();
 
-    let first = solver.advance(0.01, &solid.fields()).unwrap().clone();
-    let again = solver.advance(0.01, &solid.fields()).unwrap().clone();
+    let first = solver
+        .advance(&Request::first(1, 0.01), &solid.fields())
+        .unwrap()
+        .clone();
+    let again = solver
+        .advance(&Request::first(1, 0.01), &solid.fields())
+        .unwrap()
+        .clone();
     assert_eq!(first.state, again.state);
     assert_eq!(
         (first.number("factorised"), again.number("factorised")),
         (Some(1.0), Some(0.0))
     );
     solid.source.iter_mut().for_each(|s| *s *= 1.5);
-    let moved = solver.advance(0.01, &solid.fields()).unwrap().clone();
+    let moved = solver
+        .advance(&Request::first(1, 0.01), &solid.fields())
+        .unwrap()
+        .clone();
     assert_eq!(moved.number("factorised"), Some(0.0));
     assert_ne!(moved.state, first.state);
-    let shorter = solver.advance(0.005, &solid.fields()).unwrap().clone();
+    let shorter = solver
+        .advance(&Request::first(1, 0.005), &solid.fields())
+        .unwrap()
+        .clone();
     assert_eq!(shorter.number("factorised"), Some(1.0));
     assert_eq!(*solver.state(), accepted);
     // A pass with a reused factor has the bits of one computed afresh.
-    solver.advance(0.01, &solid.fields()).unwrap();
-    let fresh = solver.advance(0.01, &solid.fields()).unwrap();
+    solver
+        .advance(&Request::first(1, 0.01), &solid.fields())
+        .unwrap();
+    let fresh = solver
+        .advance(&Request::first(1, 0.01), &solid.fields())
+        .unwrap();
     assert_eq!(fresh.state, moved.state);
 }
 
@@ -328,7 +348,9 @@ fn linear_solves_stay_accurate_at_any_contrast_of_drag() {
             let mut solver = FluidSolver::new(config, mesh).unwrap();
             let (mut worst, mut pivoted): (f64, f64) = (0.0, 0.0);
             for _ in 0..3 {
-                let candidate = solver.advance(dt, &solid.fields()).unwrap();
+                let candidate = solver
+                    .advance(&Request::first(1, dt), &solid.fields())
+                    .unwrap();
                 worst = worst.max(candidate.number("linear_residual").unwrap());
                 pivoted += candidate.number("pivoted").unwrap();
                 solver.commit().unwrap();
@@ -350,7 +372,9 @@ fn threads_do_not_change_a_bit() {
         config.gravity = [0.0, -9.81];
         config.threads = threads;
         let mut solver = FluidSolver::new(config, mesh).unwrap();
-        let candidate = solver.advance(0.01, &solid.fields()).unwrap();
+        let candidate = solver
+            .advance(&Request::first(1, 0.01), &solid.fields())
+            .unwrap();
         (
             candidate.state.clone(),
             candidate.powers.viscous,
@@ -370,7 +394,9 @@ fn a_checkpoint_brings_back_the_same_bits() {
     config.time_scheme = TimeScheme::Bdf2;
     let mut solver = FluidSolver::new(config.clone(), mesh.clone()).unwrap();
     let step = |solver: &mut FluidSolver| {
-        solver.advance(0.01, &solid.fields()).unwrap();
+        solver
+            .advance(&Request::first(1, 0.01), &solid.fields())
+            .unwrap();
         solver.commit().unwrap();
     };
     step(&mut solver);

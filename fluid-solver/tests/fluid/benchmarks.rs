@@ -8,7 +8,7 @@ use fluid_solver::config::{FluidConfig, Nonlinear, TimeScheme};
 use fluid_solver::gmsh;
 use fluid_solver::rectangle::Rectangle;
 use fluid_solver::state::{Flow, SolidFields, State};
-use fluid_solver::step::{Candidate, FluidSolver};
+use fluid_solver::step::{Candidate, FluidSolver, Request};
 
 use crate::support::{at_nodes, errors, nodal_energy, order};
 
@@ -33,7 +33,7 @@ fn poiseuille_flow_has_order_two() {
         config.nonlinear = NEWTON;
         let mut solver = FluidSolver::new(config, mesh).unwrap();
         let drop = solver
-            .advance(1.0, &SolidFields::default())
+            .advance(&Request::first(1, 1.0), &SolidFields::default())
             .unwrap()
             .number("pressure_drop")
             .unwrap();
@@ -79,7 +79,9 @@ fn taylor_green(n: usize, dt: f64, viscosity: f64) -> FluidSolver {
         convected: false,
     });
     for _ in 0..(1.0 / dt).round() as usize {
-        solver.advance(dt, &SolidFields::default()).unwrap();
+        solver
+            .advance(&Request::first(1, dt), &SolidFields::default())
+            .unwrap();
         solver.commit().unwrap();
     }
     solver
@@ -146,7 +148,9 @@ fn cavity(n: usize, reynolds: f64, from: Option<State>) -> (Vec<(f64, f64)>, Sta
     if let Some(state) = from {
         solver.set_state(state);
     }
-    solver.advance(1.0, &SolidFields::default()).unwrap();
+    solver
+        .advance(&Request::first(1, 1.0), &SolidFields::default())
+        .unwrap();
     solver.commit().unwrap();
     let state = solver.state().clone();
     let nodes = solver
@@ -217,7 +221,7 @@ fn cylinder(file: &str) -> (usize, f64, f64, Candidate) {
     config.grad_div = 0.1;
     let mut solver = FluidSolver::new(config, mesh).unwrap();
     let candidate = solver
-        .advance(1.0, &SolidFields::default())
+        .advance(&Request::first(1, 1.0), &SolidFields::default())
         .unwrap()
         .clone();
     let scale = 2.0 / (0.2 * 0.2 * 0.1);

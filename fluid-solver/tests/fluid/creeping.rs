@@ -4,7 +4,7 @@ use fluid_solver::boundary::Condition;
 use fluid_solver::config::{CREEPING_REYNOLDS, FluidConfig};
 use fluid_solver::rectangle::Rectangle;
 use fluid_solver::state::{SolidFields, State};
-use fluid_solver::step::{Candidate, FluidSolver};
+use fluid_solver::step::{Candidate, FluidSolver, Request};
 
 const DT: f64 = 0.01;
 /// A lid whose flow needs convection some steps after it began to move, not in the first.
@@ -21,7 +21,10 @@ fn cavity(lid: f64, creeping_below: Option<f64>) -> FluidSolver {
 }
 
 fn step(solver: &mut FluidSolver) -> Candidate {
-    let candidate = solver.advance(DT, &SolidFields::default()).unwrap().clone();
+    let candidate = solver
+        .advance(&Request::first(1, DT), &SolidFields::default())
+        .unwrap()
+        .clone();
     solver.commit().unwrap();
     candidate
 }
@@ -70,7 +73,10 @@ fn convection_comes_back_in_the_step_that_needs_it_and_stays() {
     println!("step  convection  Re");
     for number in 1..=12 {
         let before = solver.state().clone();
-        let repeated = solver.advance(DT, &SolidFields::default()).unwrap().clone();
+        let repeated = solver
+            .advance(&Request::first(1, DT), &SolidFields::default())
+            .unwrap()
+            .clone();
         let candidate = step(&mut solver);
         assert_eq!(
             repeated.state, candidate.state,
@@ -100,4 +106,68 @@ fn convection_comes_back_in_the_step_that_needs_it_and_stays() {
         solver.set_state(stored);
     }
     assert!(since.is_some_and(|step| step > 2 && step < 12), "{since:?}");
+}
+
+/// Drag that holds the fluid back.
+fn held(solver: &FluidSolver) -> Vec<f64> {
+    vec![1e4; solver.mesh().node_count()]
+}
+
+#[test]
+fn a_candidate_that_is_thrown_away_leaves_no_trace() {
+    let begun = || {
+        let mut solver = cavity(LID, Some(CREEPING_REYNOLDS));
+        step(&mut solver);
+        solver
+    };
+    let ask = |solver: &mut FluidSolver, dt: f64, pass: u32| {
+        let request = Request { step: 2, pass, dt };
+        let candidate = solver.advance(&request, &SolidFields::default()).unwrap();
+        candidate.clone()
+    };
+    let (mut fresh, mut disturbed) = (begun(), begun());
+    let large = ask(&mut disturbed, 100.0 * DT, 0);
+    println!("large step: Re {:?}", large.number("reynolds"));
+    assert_eq!(large.number("convection"), Some(1.0));
+    for pass in 0..2 {
+        let (one, other) = (ask(&mut fresh, DT, pass), ask(&mut disturbed, DT, pass));
+        assert_eq!(one.number("convection"), Some(0.0));
+        assert_eq!(one.number("convection"), other.number("convection"));
+        assert_eq!(one.state, other.state);
+        assert_eq!(one.pressure_gradient, other.pressure_gradient);
+    }
+    disturbed.commit().unwrap();
+    assert!(!disturbed.state().convected);
+}
+
+#[test]
+fn passes_of_a_step_do_not_differ_in_their_equations() {
+    let mut solver = cavity(LID, Some(CREEPING_REYNOLDS));
+    step(&mut solver);
+    let drag = held(&solver);
+    let held = SolidFields {
+        drag: Some(&drag),
+        ..SolidFields::default()
+    };
+    let request = |pass| Request {
+        step: 2,
+        pass,
+        dt: 100.0 * DT,
+    };
+    let mut convection = |pass, fields: &SolidFields<'_>| {
+        let candidate = solver.advance(&request(pass), fields).unwrap();
+        candidate.number("convection").unwrap()
+    };
+    assert_eq!(convection(1, &held), 0.0, "alone it creeps");
+    assert_eq!(convection(1, &SolidFields::default()), 1.0);
+    assert_eq!(
+        convection(2, &held),
+        1.0,
+        "a later pass of a step that does not"
+    );
+    assert_eq!(convection(1, &held), 0.0, "the step begun again");
+    assert_eq!(convection(2, &SolidFields::default()), 1.0);
+    assert_eq!(convection(4, &held), 1.0);
+    solver.commit().unwrap();
+    assert!(solver.state().convected);
 }

@@ -2,6 +2,7 @@
 
 mod balance;
 mod benchmarks;
+mod costs;
 mod creeping;
 mod manufactured;
 mod porous;

@@ -5,7 +5,7 @@ use fluid_solver::config::{FluidConfig, TimeScheme};
 use fluid_solver::mesh::Mesh;
 use fluid_solver::rectangle::Rectangle;
 use fluid_solver::state::SolidFields;
-use fluid_solver::step::FluidSolver;
+use fluid_solver::step::{FluidSolver, Request};
 
 use crate::support::{at_nodes, largest_difference};
 
@@ -24,7 +24,7 @@ fn through(mesh: Mesh, inflow: f64, porosity: &[f64], drag: &[f64]) -> (f64, f64
         drag: Some(drag),
         ..SolidFields::default()
     };
-    let candidate = solver.advance(1.0, &fields).unwrap();
+    let candidate = solver.advance(&Request::first(1, 1.0), &fields).unwrap();
     let u = &candidate.state.now.superficial_velocity;
     let deviation = largest_difference(u, |_| [inflow, 0.0]) / inflow;
     (candidate.number("pressure_drop").unwrap(), deviation)

@@ -8,7 +8,7 @@ use fluid_solver::error::FluidError;
 use fluid_solver::gmsh;
 use fluid_solver::rectangle::Rectangle;
 use fluid_solver::state::SolidFields;
-use fluid_solver::step::FluidSolver;
+use fluid_solver::step::{FluidSolver, Request};
 
 /// A unit square of two triangles; curves 1…4 are bottom, right, top, left.
 const SQUARE: &str = r#"$MeshFormat
@@ -192,7 +192,7 @@ fn bad_fields_are_refused_with_the_node() {
             porosity: Some(field),
             ..SolidFields::default()
         };
-        solver.advance(dt, &fields).map(|_| ())
+        solver.advance(&Request::first(1, dt), &fields).map(|_| ())
     };
     says(advance(&field[1..], 0.1), &["porosity", "24", "25"]);
     says(advance(&field, -0.1), &["dt", "positive"]);
