@@ -111,6 +111,14 @@ impl<'a> Bench<'a> {
         self.advance_without(request, inputs, &[])
     }
 
+    /// One `Advance` that may be too much for the engine: a failure is an answer too.
+    pub fn advance_or_fail(&mut self, request: &Advance, inputs: &Inputs) -> Result<(), String> {
+        match self.partner.advance(request, &borrowed(inputs), &mut []) {
+            Ok(_) | Err(protocol::Error::Engine { .. }) => Ok(()),
+            Err(error) => Err(self.explain(&error)),
+        }
+    }
+
     /// The usual `Advance` to `step`, whose answer must not have these fields.
     pub fn step_without(
         &mut self,
@@ -141,10 +149,6 @@ impl<'a> Bench<'a> {
         inputs: &Inputs,
         withheld: &[Field],
     ) -> Result<Candidate, String> {
-        let given: Vec<(Field, &[f64])> = inputs
-            .iter()
-            .map(|(field, values)| (*field, values.as_slice()))
-            .collect();
         let mut answer: Vec<(Field, Vec<f64>)> = self
             .case
             .answer()
@@ -156,7 +160,9 @@ impl<'a> Bench<'a> {
             .iter_mut()
             .map(|(field, values)| (*field, values))
             .collect();
-        let done = self.partner.advance(request, &given, &mut outputs);
+        let done = self
+            .partner
+            .advance(request, &borrowed(inputs), &mut outputs);
         let done = done.map_err(|error| {
             let place = format!("Advance to step {}, pass {}", request.step, request.pass);
             format!("{place}: {}", self.explain(&error))
@@ -262,6 +268,13 @@ impl<'a> Bench<'a> {
         let left = self.subject.must_leave(code, LEAVE);
         left.map_err(|why| format!("after {after} and Finish {why}"))
     }
+}
+
+fn borrowed(inputs: &Inputs) -> Vec<(Field, &[f64])> {
+    let inputs = inputs.iter();
+    inputs
+        .map(|(field, values)| (*field, values.as_slice()))
+        .collect()
 }
 
 /// Wait for hello, but not longer than the process lives.

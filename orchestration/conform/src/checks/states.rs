@@ -8,7 +8,7 @@ use protocol::field::Field;
 use protocol::messages::{Advance, Capability, Role, ToEngine};
 
 use crate::bench::{Bench, Candidate, Model};
-use crate::case::Case;
+use crate::case::{Case, Inputs};
 use crate::check::{ANSWERS, Check, REPEATABLE, Trouble};
 
 pub(super) const CHECKS: &[Check] = &[
@@ -35,6 +35,12 @@ pub(super) const CHECKS: &[Check] = &[
         "after an Advance with half the step the whole one gives the same bits",
         ANSWERS,
         smaller_step,
+    ),
+    Check::new(
+        "larger-step",
+        "after an Advance with a large step a small one gives the bits of a fresh process",
+        REPEATABLE,
+        larger_step,
     ),
     Check::new(
         "discarded-candidate",
@@ -141,6 +147,45 @@ fn smaller_step(case: &Case) -> Result<(), Trouble> {
     let again = bench.step(2, 0)?;
     whole.must_equal(&again, "step 2 before and after an Advance with half of it")?;
     Ok(())
+}
+
+/// A gentle step that is accepted, then a large step in a strong flow in one process of two, then a
+/// small gentle one in both.
+fn larger_step(case: &Case) -> Result<(), Trouble> {
+    const LARGE: f64 = 10.0;
+    let request = |step: u64, share: f64| Advance {
+        time: 0.1 * (step - 1) as f64 * case.dt,
+        dt: share * case.dt,
+        ..case.request(step, 0)
+    };
+    let run = |disturbed: bool| -> Result<Candidate, String> {
+        let mut bench = Bench::ready(case)?;
+        let gentle = gentle(bench.inputs(0));
+        bench.advance(&request(1, 0.1), &gentle)?;
+        bench.commit(1)?;
+        if disturbed {
+            let strong = bench.inputs(1);
+            bench.advance_or_fail(&request(2, LARGE), &strong)?;
+        }
+        bench.advance(&request(2, 0.1), &gentle)
+    };
+    let which = format!("step 2, alone and after an Advance with {LARGE} times the usual step");
+    run(false)?.must_equal(&run(true)?, &which)?;
+    Ok(())
+}
+
+/// The same grains, but forces and flow so small that what they do is linear.
+fn gentle(mut inputs: Inputs) -> Inputs {
+    const SMALL: f64 = 1e-6;
+    for (field, values) in &mut inputs {
+        if matches!(
+            field,
+            Field::DragSource | Field::SolidFlux | Field::GrainForce
+        ) {
+            values.iter_mut().for_each(|value| *value *= SMALL);
+        }
+    }
+    inputs
 }
 
 fn discarded_candidate(case: &Case) -> Result<(), Trouble> {

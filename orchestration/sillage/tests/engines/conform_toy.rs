@@ -48,6 +48,7 @@ struct History {
     in_step: u32,
     last: Option<Advance>,
     smallest: f64,
+    largest: f64,
 }
 
 /// Fields of a candidate.
@@ -415,10 +416,12 @@ impl Toy {
             history.smallest.min(dt)
         };
         history.in_step += 1;
+        history.largest = history.largest.max(dt);
         let spoilt = match self.fault.as_str() {
             "fresh-process" => true,
             "same-request" => request.step == 3 && history.last.as_ref() == Some(request),
             "same-passes" => request.pass == 2 && history.in_step > 3,
+            "larger-step" => history.largest > 10.0 * dt,
             "smaller-step" => request.step == 2 && history.smallest < dt,
             _ => false,
         };
