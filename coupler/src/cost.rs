@@ -14,14 +14,21 @@ use crate::system::System;
 const WALL: &str = "wall_seconds";
 /// The same of CPU time.
 const CPU: &str = "cpu_seconds";
+/// Diagnostics of the fluid engine: parts of that.
+const PHASE: &str = "seconds_";
+/// The same in `steps.csv` and in the totals.
+const PHASE_OF_FLUID: &str = "cpu_fluid_";
+const TOTAL_OF_PHASE: &str = "fluid_seconds_";
 
 /// Times of one step \[s\].
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct StepCost {
     /// Wall time of the step.
-    pub wall: f64,
+    pub wall_step: f64,
     /// CPU time of the fluid engine.
     pub cpu_fluid: f64,
+    /// What of it the fluid engine tells apart, and the rest.
+    pub phases: Vec<(String, f64)>,
     /// CPU time of the particle engine.
     pub cpu_particles: f64,
     /// CPU time of the coupler.
@@ -38,17 +45,21 @@ pub struct StepCost {
 
 impl StepCost {
     /// Name and value of each, in the order of `steps.csv`.
-    pub fn columns(&self) -> [(&'static str, f64); 8] {
-        [
-            ("wall", self.wall),
-            ("cpu_fluid", self.cpu_fluid),
+    pub fn columns(&self) -> Vec<(String, f64)> {
+        let phases = self.phases.iter();
+        let phases = phases.map(|(phase, seconds)| (format!("{PHASE_OF_FLUID}{phase}"), *seconds));
+        let named = |(name, seconds): (&str, f64)| (name.to_owned(), seconds);
+        let whole = [("wall_step", self.wall_step), ("cpu_fluid", self.cpu_fluid)];
+        let others = [
             ("cpu_particles", self.cpu_particles),
             ("cpu_coupler", self.cpu_coupler),
             ("wall_fluid", self.wall_fluid),
             ("wall_particles", self.wall_particles),
             ("wall_exchange", self.wall_exchange),
             ("wall_coupler", self.wall_coupler),
-        ]
+        ];
+        let whole = whole.into_iter().map(named);
+        whole.chain(phases).chain(others.map(named)).collect()
     }
 }
 
@@ -78,13 +89,14 @@ impl Meter {
     where
         Dim<D>: Dimension<D>,
     {
-        let [(_, fluid), (_, particles)] = seats(system);
+        let [fluid, particles] = seats(system);
         let of = |seat: &[Diagnostic], name| value(seat, name).unwrap_or(0.0);
         let wall = self.begin.elapsed().as_secs_f64();
         let waited = waited(system) - self.waited;
         let (wall_fluid, wall_particles) = (of(fluid, WALL), of(particles, WALL));
         StepCost {
-            wall,
+            wall_step: wall,
+            phases: phases(fluid),
             cpu_fluid: of(fluid, CPU),
             cpu_particles: of(particles, CPU),
             cpu_coupler: cpu_seconds() - self.cpu,
@@ -96,10 +108,24 @@ impl Meter {
     }
 }
 
-/// Name and diagnostics of both seats.
-fn seats<const D: usize, const N: usize>(
-    system: &System<D, N>,
-) -> [(&'static str, &[Diagnostic]); 2]
+/// What of an engine's CPU time it tells apart, and the rest \[s\]; empty when it tells nothing apart.
+fn phases(told: &[Diagnostic]) -> Vec<(String, f64)> {
+    let named = told
+        .iter()
+        .filter_map(|d| Some((d.name.strip_prefix(PHASE)?, d.value)));
+    let mut phases: Vec<_> = named
+        .map(|(phase, seconds)| (phase.to_owned(), seconds))
+        .collect();
+    if !phases.is_empty() {
+        let sum: f64 = phases.iter().map(|(_, seconds)| seconds).sum();
+        let whole = value(told, CPU).unwrap_or(sum);
+        phases.push(("rest".to_owned(), whole - sum));
+    }
+    phases
+}
+
+/// Diagnostics of both seats.
+fn seats<const D: usize, const N: usize>(system: &System<D, N>) -> [&[Diagnostic]; 2]
 where
     Dim<D>: Dimension<D>,
 {
@@ -107,7 +133,7 @@ where
     let particles = system
         .particles()
         .map_or(&[][..], |seat| seat.diagnostics());
-    [("fluid", fluid), ("particles", particles)]
+    [fluid, particles]
 }
 
 /// Wall time waited for the engines so far \[s\].
@@ -128,31 +154,19 @@ pub struct Totals {
 
 impl Totals {
     /// Add an accepted step.
-    pub fn add<const D: usize, const N: usize>(
-        &mut self,
-        system: &System<D, N>,
-        report: &StepReport,
-        cost: &StepCost,
-    ) where
-        Dim<D>: Dimension<D>,
-    {
+    pub fn add(&mut self, report: &StepReport, cost: &StepCost) {
         self.sum("steps", 1.0);
         self.sum("passes", f64::from(report.passes));
         for (name, seconds) in cost.columns() {
-            match name {
-                "wall" => self.sum("seconds_wall", seconds),
-                _ => self.sum(name, seconds),
+            match name.strip_prefix(PHASE_OF_FLUID) {
+                Some(phase) => self.sum(&format!("{TOTAL_OF_PHASE}{phase}"), seconds),
+                None if name == "wall_step" => self.sum("seconds_wall", seconds),
+                None => self.sum(&name, seconds),
             }
         }
         let share = (self.get("wall_exchange") + self.get("wall_coupler"))
             / self.get("seconds_wall").max(f64::MIN_POSITIVE);
         self.update("coupling_share", share, |_, new| new);
-        for (seat, diagnostics) in seats(system) {
-            let phases = diagnostics
-                .iter()
-                .filter(|d| d.name.starts_with("seconds_"));
-            phases.for_each(|phase| self.sum(&format!("{seat}_{}", phase.name), phase.value));
-        }
         let budget = &report.budget;
         self.worst("volume_defect_max", budget.volume_defect);
         self.worst("momentum_defect_max", budget.momentum_defect);

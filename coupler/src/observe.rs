@@ -31,7 +31,7 @@ where
     row.add("passes", f64::from(report.passes));
     row.add("sub_steps", f64::from(report.sub_steps));
     for (name, seconds) in cost.columns() {
-        row.add(name, seconds);
+        row.add(&name, seconds);
     }
     let budget = &report.budget;
     row.add("volume_defect", budget.volume_defect);

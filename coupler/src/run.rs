@@ -107,7 +107,7 @@ where
         let meter = Meter::start(&simulation.system);
         let report = step_with_retries(simulation, &mut clock, dt)?;
         let cost = meter.stop(&simulation.system);
-        totals.add(&simulation.system, &report, &cost);
+        totals.add(&report, &cost);
         listener.step(observe::columns(simulation, &report, &cost))?;
         recording.look(listener)?;
         let stop = listener.stop_requested();

@@ -125,7 +125,7 @@ fn write(scene: &Scene, folder: &Path, last: u64) -> RunFolder {
             let values = vec![
                 value("step", number as f64),
                 value("time", 0.1 * number as f64),
-                value("wall", 0.25),
+                value("wall_step", 0.25),
                 value("momentum_defect", 2f64.powi(-50) * number as f64),
             ];
             writer.take(Event {
@@ -190,7 +190,7 @@ fn a_run_folder_holds_everything_that_is_promised() {
     let report = std::fs::read_to_string(path.join("run.json")).expect("run.json");
     let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
     assert_eq!(report["steps"], 5);
-    assert_eq!(report["cost"]["wall"], 1.25);
+    assert_eq!(report["cost"]["wall_step"], 1.25);
     assert_eq!(report["worst"]["momentum_defect"], 5.0 * 2f64.powi(-50));
     assert_eq!(report["exit"]["code"], 0);
     assert!(

@@ -3,6 +3,7 @@
 mod background;
 mod browser;
 mod commands;
+mod costs;
 mod kills;
 mod leaving_out;
 mod processes;

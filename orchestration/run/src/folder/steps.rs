@@ -113,8 +113,9 @@ impl Summary {
             };
             match name.as_str() {
                 "time" => self.time = *value,
-                "wall" | "passes" | "sub_steps" | "contact_searches" | "contact_sweeps"
-                | "wall_looks" => *self.sums.entry(name.clone()).or_default() += value,
+                "passes" | "sub_steps" | "contact_searches" | "contact_sweeps" | "wall_looks" => {
+                    *self.sums.entry(name.clone()).or_default() += value
+                }
                 _ if name.starts_with("cpu_") || name.starts_with("wall_") => {
                     *self.sums.entry(name.clone()).or_default() += value
                 }

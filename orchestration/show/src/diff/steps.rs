@@ -155,5 +155,5 @@ impl Table {
 }
 
 fn is_time(name: &str) -> bool {
-    name == "wall" || name.starts_with("wall_") || name.starts_with("cpu_")
+    name.starts_with("wall_") || name.starts_with("cpu_")
 }

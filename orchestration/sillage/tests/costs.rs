@@ -1,0 +1,58 @@
+//! What a run costs: the same in `steps.csv`, step by step, and in the totals of `run.json`.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use crate::background::{Run, small_cloud};
+
+/// Columns of `steps.csv`, summed over its rows.
+fn sums(text: &str) -> BTreeMap<String, f64> {
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    let mut sums = BTreeMap::new();
+    for line in lines {
+        for (name, cell) in names.iter().zip(line.split(',')) {
+            *sums.entry((*name).to_owned()).or_default() += cell.parse::<f64>().expect("a number");
+        }
+    }
+    sums
+}
+
+#[test]
+fn rows_sum_to_the_totals_and_phases_to_the_time_of_the_fluid() {
+    const PHASES: [&str; 5] = ["assembly", "factor", "solve", "powers", "rest"];
+    const ROUND_OFF: f64 = 1e-9;
+    let (code, words, _, folder) = Run::start(&small_cloud(0.11)).finish();
+    assert_eq!(code, Some(0), "{words}");
+    let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("a file");
+    let sums = sums(&text("steps.csv"));
+    let document: Value = serde_json::from_str(&text("run.json")).expect("JSON");
+    let total = |name: &str| document["totals"][name].as_f64().expect("a number");
+    let same = |a: f64, b: f64| (a - b).abs() <= ROUND_OFF * a.abs().max(b.abs());
+    println!("{} passes in {} steps", total("passes"), total("steps"));
+    assert!(total("passes") > total("steps"), "several passes a step");
+
+    println!("phase        steps.csv   run.json [s]");
+    for phase in PHASES {
+        let (rows, whole) = (
+            sums[&format!("cpu_fluid_{phase}")],
+            total(&format!("fluid_seconds_{phase}")),
+        );
+        println!("{phase:<12} {rows:.3e}   {whole:.3e}");
+        assert!(rows > 0.0 && same(rows, whole));
+    }
+    let parts: f64 = PHASES
+        .map(|phase| sums[&format!("cpu_fluid_{phase}")])
+        .iter()
+        .sum();
+    println!("cpu_fluid    {parts:.3e}   {:.3e}", total("cpu_fluid"));
+    assert!(same(parts, sums["cpu_fluid"]) && same(parts, total("cpu_fluid")));
+    for (column, name) in [
+        ("wall_step", "seconds_wall"),
+        ("cpu_particles", "cpu_particles"),
+        ("wall_fluid", "wall_fluid"),
+    ] {
+        assert!(same(sums[column], total(name)), "{column}");
+    }
+}
