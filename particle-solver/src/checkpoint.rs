@@ -234,3 +234,39 @@ fn checksum(bytes: &[u8]) -> u64 {
         (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use space::Vector;
+
+    #[test]
+    fn a_state_of_version_1_is_one_of_the_plane() {
+        let grains = Grains {
+            radius: vec![1.0, 2.0],
+            mass: vec![3.0, 4.0],
+            fixed: vec![false, true],
+        };
+        let place = |x: f64| Vector::from([x, -x]);
+        let still = vec![Vector::zeros(); 2];
+        let mut state = State::new(&grains, vec![place(0.5), place(7.0)], still).unwrap();
+        state.spin[0] = 0.25;
+        let impulse = Local {
+            normal: 2.0,
+            tangential: -1.0,
+        };
+        state.impulses.dt = 1e-3;
+        state.impulses.entries.push((Key::default(), impulse));
+        let mut bytes = encode(&grains, &state);
+        assert_eq!(decode(&bytes, &grains), Ok(state.clone()));
+        // What version 1 wrote: no dimension.
+        bytes[8..12].copy_from_slice(&1u32.to_le_bytes());
+        bytes.drain(12..16);
+        bytes.truncate(bytes.len() - 8);
+        let check = checksum(&bytes);
+        bytes.extend(check.to_le_bytes());
+        assert_eq!(decode(&bytes, &grains), Ok(state));
+        let in_space = decode::<3>(&bytes, &grains).unwrap_err();
+        assert_eq!(in_space, "2 dimensions, the scene has 3");
+    }
+}
