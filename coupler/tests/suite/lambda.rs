@@ -78,12 +78,23 @@ fn a_pass_without_a_prediction_is_the_prediction_of_the_next() {
 #[test]
 fn after_a_first_pass_wrong_held_grains_get_a_half_and_those_let_go_get_one() {
     let (right, wrong) = (9.9 * TOLERANCE, 10.1 * TOLERANCE);
-    let contact = [Held, Held, Touches, Free, Touches, Free];
+    let contact = [Held, Held, Touches, Free, Touches, Touches];
     let of_grains = [wrong, right, wrong, wrong, wrong, wrong];
     let seen = Seen::new(0.5, &of_grains, &contact);
     let mut lambda = [0.0, 0.0, 0.0, 0.0, 1.0, 0.5];
     assert!(seen.revise(&mut Progress::new(true), &mut lambda));
     assert_eq!(lambda, [0.5, 0.0, 1.0, 1.0, 1.0, 0.5]);
+}
+
+#[test]
+fn held_grains_are_trouble_once_and_not_in_every_pass() {
+    let mut progress = Progress::new(true);
+    let mut lambda = [0.0, 1.0];
+    for defect in [0.5, 0.2, 0.1, 0.05] {
+        let seen = Seen::new(defect, &[0.0, 1.0], &[Held, Touches]);
+        assert!(!seen.revise(&mut progress, &mut lambda));
+        assert_eq!(lambda, [0.0, 1.0]);
+    }
 }
 
 #[test]
