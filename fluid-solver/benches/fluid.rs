@@ -5,23 +5,26 @@
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use fluid_solver::assembly::System;
 use fluid_solver::boundary::{Condition, Constraints};
+use fluid_solver::equations::assembly::Assembly;
+use fluid_solver::equations::{Carrier, Coefficients, ViscousForm};
 use fluid_solver::linear::LinearSolver;
+use fluid_solver::linear::System;
 use fluid_solver::mesh::Mesh;
-use fluid_solver::point::{Carrier, Coefficients, ViscousForm};
-use fluid_solver::rectangle::Rectangle;
-use fluid_solver::state::{Flow, Solid, SolidFields};
+use fluid_solver::mesh::Rectangle;
+use fluid_solver::solid::{Solid, SolidFields};
+use fluid_solver::state::Flow;
+use space::Vector;
 
-fn mesh() -> Mesh {
+fn mesh() -> Mesh<2, 3> {
     Rectangle::new([-0.037, 0.0], [0.037, 0.222], [80, 240])
         .mesh()
         .expect("a valid rectangle")
 }
 
 /// A cloud of drag and reduced porosity in the middle.
-fn solid(mesh: &Mesh) -> Solid {
-    let inside = |x: [f64; 2]| x[0].hypot(x[1] - 0.11) < 0.01;
+fn solid(mesh: &Mesh<2, 3>) -> Solid<2> {
+    let inside = |x: Vector<2>| x[0].hypot(x[1] - 0.11) < 0.01;
     let choose = |solid: f64, clear: f64| -> Vec<f64> {
         mesh.position
             .iter()
@@ -42,9 +45,11 @@ fn bench(c: &mut Criterion) {
     let mesh = mesh();
     let solid = solid(&mesh);
     let conditions = vec![Condition::NoSlip; 4];
-    let constraints =
-        Constraints::new(&mesh, conditions, 1200.0, [0.0, -9.81]).expect("valid conditions");
-    let swirl = |x: &[f64; 2]| [1e-3 * (100.0 * x[1]).sin(), 1e-3 * (100.0 * x[0]).cos()];
+    let constraints = Constraints::new(&mesh, conditions, 1200.0, &[0.0, -9.81].into())
+        .expect("valid conditions");
+    let swirl = |x: &Vector<2>| -> Vector<2> {
+        [1e-3 * (100.0 * x[1]).sin(), 1e-3 * (100.0 * x[0]).cos()].into()
+    };
     let flow = Flow {
         superficial_velocity: mesh.position.iter().map(swirl).collect(),
         porosity: solid.matrix.porosity.clone(),
@@ -57,7 +62,7 @@ fn bench(c: &mut Criterion) {
     let terms = Coefficients {
         density: 1200.0,
         dynamic_viscosity: 0.12,
-        gravity: [0.0, -9.81],
+        gravity: [0.0, -9.81].into(),
         viscous_form: ViscousForm::Symmetric,
         grad_div: 1.0,
         rate: 200.0,
@@ -67,8 +72,14 @@ fn bench(c: &mut Criterion) {
         carriers: &carriers,
         solid: &solid,
     };
-    let mut system = System::new(&mesh);
+    let mut system = System::new(mesh.node_count(), &mesh.simplices);
     let flux = vec![0.0; mesh.node_count()];
+    let assembly = Assembly {
+        terms: &terms,
+        mesh: &mesh,
+        constraints: &constraints,
+        flux: &flux,
+    };
     let given = vec![0.0; system.pattern.unknowns()];
     let mut linear = LinearSolver::new(&system.pattern, &mesh.position, constraints.fixed.clone());
 
@@ -82,10 +93,10 @@ fn bench(c: &mut Criterion) {
         .sample_size(10)
         .measurement_time(Duration::from_secs(5));
     group.bench_function("assembly", |b| {
-        b.iter(|| system.assemble(&terms, &mesh, &constraints, &flux, true));
+        b.iter(|| assembly.fill(&mut system, true));
     });
     group.bench_function("right side only", |b| {
-        b.iter(|| system.assemble(&terms, &mesh, &constraints, &flux, false));
+        b.iter(|| assembly.fill(&mut system, false));
     });
     group.bench_function("factor", |b| b.iter(|| linear.factorise(&system)));
     group.bench_function("solve with refinement", |b| {

@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::boundary::Condition;
+use space::Vector;
+
+use crate::boundary::condition::Condition;
+use crate::equations::coefficients::{BodyForce, ViscousForm};
 use crate::error::FluidError;
-use crate::point::{BodyForce, ViscousForm};
 
 /// Re of (R1) up to which convection is left out where it may be: what that changes is at most this
 /// part of the velocity.
@@ -39,18 +41,18 @@ pub enum Nonlinear {
 
 /// What a fluid solver needs to know besides its mesh.
 #[derive(Clone)]
-pub struct FluidConfig {
+pub struct FluidConfig<const D: usize> {
     /// ρ \[kg/m³\].
     pub density: f64,
     /// μ \[Pa s\].
     pub dynamic_viscosity: f64,
     /// g \[m/s²\].
-    pub gravity: [f64; 2],
+    pub gravity: Vector<D>,
     /// Conditions by boundary name; "all" for those not named.
-    pub boundaries: BTreeMap<String, Condition>,
+    pub boundaries: BTreeMap<String, Condition<D>>,
     /// Is ρφ v·∇v there?
     pub convection: bool,
-    /// Re of (R1) in `creeping.rs` below which a step is solved without convection, until a step
+    /// Re of (R1) in `equations::creeping` below which a step is solved without convection, until a step
     /// reaches it; none: convection is always there.
     pub creeping_below: Option<f64>,
     /// Time scheme.
@@ -62,20 +64,20 @@ pub struct FluidConfig {
     /// Factor of the grad-div stabilisation.
     pub grad_div: f64,
     /// Uniform initial superficial velocity \[m/s\].
-    pub initial_velocity: [f64; 2],
+    pub initial_velocity: Vector<D>,
     /// Threads of assembly and factorisation; the numbers do not depend on it.
     pub threads: usize,
     /// Extra force per mixture volume \[N/m³\], for manufactured solutions.
-    pub body_force: Option<Arc<BodyForce>>,
+    pub body_force: Option<Arc<BodyForce<D>>>,
 }
 
-impl FluidConfig {
+impl<const D: usize> FluidConfig<D> {
     /// Fluid at rest without gravity; backward Euler, Picard, symmetric viscous form.
-    pub fn new(density: f64, dynamic_viscosity: f64) -> FluidConfig {
+    pub fn new(density: f64, dynamic_viscosity: f64) -> FluidConfig<D> {
         FluidConfig {
             density,
             dynamic_viscosity,
-            gravity: [0.0; 2],
+            gravity: Vector::zeros(),
             boundaries: BTreeMap::new(),
             convection: true,
             creeping_below: None,
@@ -83,14 +85,14 @@ impl FluidConfig {
             nonlinear: Nonlinear::Picard,
             viscous_form: ViscousForm::Symmetric,
             grad_div: 1.0,
-            initial_velocity: [0.0; 2],
+            initial_velocity: Vector::zeros(),
             threads: 1,
             body_force: None,
         }
     }
 
     /// The same with a condition on a boundary.
-    pub fn with(mut self, boundary: &str, condition: Condition) -> FluidConfig {
+    pub fn with(mut self, boundary: &str, condition: Condition<D>) -> FluidConfig<D> {
         self.boundaries.insert(boundary.into(), condition);
         self
     }

@@ -1,6 +1,6 @@
 //! CPU time by phase, on all threads of the process.
 
-use crate::diagnostics::{Numbers, named};
+use crate::numbers::{Numbers, named};
 
 /// What was spent since the last commit \[s\]: all passes, and candidates that were thrown away.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use space::Vector;
+
 /// An error of the fluid engine.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -27,46 +29,48 @@ pub enum FluidError {
     /// The mesh as a whole is unusable.
     #[error("mesh: {0}")]
     Mesh(String),
-    /// A triangle is degenerate or clockwise.
+    /// A simplex is degenerate or left-handed (clockwise).
     #[error(
-        "mesh: triangle {triangle} with corners ({a:?}, {b:?}, {c:?}) has the signed area {area:e} m²; \
-         corners must be counter-clockwise and the area positive"
+        "mesh: {simplex} {number} with corners ({corners}) has the signed {measure} {volume:e} {unit}; \
+         corners must be counter-clockwise and the {measure} positive"
     )]
-    InvertedTriangle {
-        /// Number (Gmsh: element tag) of the triangle.
-        triangle: usize,
-        /// First corner \[m\].
-        a: [f64; 2],
-        /// Second corner \[m\].
-        b: [f64; 2],
-        /// Third corner \[m\].
-        c: [f64; 2],
-        /// Signed area \[m²\].
-        area: f64,
+    InvertedSimplex {
+        /// What it is called.
+        simplex: &'static str,
+        /// Its number (Gmsh: element tag).
+        number: usize,
+        /// Its corners \[m\].
+        corners: String,
+        /// What its size is called.
+        measure: &'static str,
+        /// Signed size.
+        volume: f64,
+        /// Unit of that.
+        unit: &'static str,
     },
-    /// A boundary edge belongs to no named boundary.
+    /// A facet of the boundary belongs to no named boundary.
     #[error(
-        "mesh: the boundary edge from {a:?} to {b:?} belongs to no named boundary; \
+        "mesh: the boundary {facet} from {corners} belongs to no named boundary; \
          give its curve one of the physical names {names:?} or a new one"
     )]
-    UnnamedEdge {
-        /// One end \[m\].
-        a: [f64; 2],
-        /// Other end \[m\].
-        b: [f64; 2],
+    UnnamedFacet {
+        /// What it is called.
+        facet: &'static str,
+        /// Its corners \[m\].
+        corners: String,
         /// Names of the mesh.
         names: Vec<String>,
     },
-    /// An edge belongs to two named boundaries.
+    /// A facet belongs to two named boundaries.
     #[error(
-        "mesh: the edge from {a:?} to {b:?} belongs to two boundaries, {first:?} and {second:?}; \
-         every boundary edge needs exactly one name"
+        "mesh: the {facet} from {corners} belongs to two boundaries, {first:?} and {second:?}; \
+         every boundary {facet} needs exactly one name"
     )]
-    EdgeInTwoBoundaries {
-        /// One end \[m\].
-        a: [f64; 2],
-        /// Other end \[m\].
-        b: [f64; 2],
+    FacetInTwoBoundaries {
+        /// What it is called.
+        facet: &'static str,
+        /// Its corners \[m\].
+        corners: String,
         /// One name.
         first: String,
         /// The other name.
@@ -129,29 +133,25 @@ pub enum FluidError {
     },
     /// Porosity not positive at a node.
     #[error(
-        "porosity {value:e} at node {node} ({x:e} m, {y:e} m) must be positive: too many grains there for the mesh; smooth or refine less"
+        "porosity {value:e} at node {node} ({place}) must be positive: too many grains there for the mesh; smooth or refine less"
     )]
     Porosity {
         /// The node.
         node: usize,
-        /// Its position \[m\].
-        x: f64,
-        /// Its position \[m\].
-        y: f64,
+        /// Its position.
+        place: String,
         /// The value.
         value: f64,
     },
     /// A value that is not finite.
-    #[error("{what} is {value} at node {node} ({x:e} m, {y:e} m)")]
+    #[error("{what} is {value} at node {node} ({place})")]
     NotFinite {
         /// Which field.
         what: &'static str,
         /// The node.
         node: usize,
-        /// Its position \[m\].
-        x: f64,
-        /// Its position \[m\].
-        y: f64,
+        /// Its position.
+        place: String,
         /// The value.
         value: f64,
     },
@@ -196,4 +196,19 @@ pub enum FluidError {
         /// Why not.
         why: String,
     },
+}
+
+/// Corners as they are printed: `[0.0, 1.0] to [2.0, 3.0]`.
+pub(crate) fn places<const D: usize>(corners: &[Vector<D>], between: &str) -> String {
+    let corners: Vec<String> = corners
+        .iter()
+        .map(|x| format!("{:?}", x.as_slice()))
+        .collect();
+    corners.join(between)
+}
+
+/// A point as it is printed: `1e-3 m, 2e0 m`.
+pub(crate) fn place<const D: usize>(point: &Vector<D>) -> String {
+    let components: Vec<String> = point.iter().map(|x| format!("{x:e} m")).collect();
+    components.join(", ")
 }

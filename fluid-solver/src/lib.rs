@@ -1,4 +1,5 @@
-//! The fluid engine: volume-averaged Navier–Stokes on P1–P1 triangles.
+//! The fluid engine: volume-averaged Navier–Stokes on P1–P1 simplices, in `D` dimensions with
+//! `N = D + 1` unknowns a node.
 //!
 //! ```text
 //!   ρφ(∂v/∂t + v·∇v) + (φ + c)∇p − ∇·(2μφ D(v)) + βv = ρφ g + s          u = φ v     (M)
@@ -6,21 +7,29 @@
 //! ```
 //!
 //! Unknowns are the superficial velocity u and the pressure p; φ, β, s, c, j⁰ and κ are nodal
-//! fields that describe the grains. Each term has its file: [`momentum`], [`continuity`],
-//! [`stabilization`]; [`point`] holds what they share at a quadrature point.
+//! fields that describe the grains. Read in this order:
+//!
+//! * [`mesh`]: simplices and the facets of the boundary
+//! * [`equations`]: each term in its file, and the system made of them
+//! * [`boundary`]: conditions, resolved to nodes
+//! * [`linear`]: factor and refinement
+//! * [`step`], [`problem`], [`solve`]: advance and commit; one step; Picard and Newton
+//! * [`diagnostics`]: the energy identity, forces on boundaries
+//! * [`serve`]: the seat in the coupled system, the only file that knows the protocol
 //!
 //! ```
 //! use fluid_solver::boundary::Condition;
+//! use fluid_solver::candidate::Request;
 //! use fluid_solver::config::FluidConfig;
-//! use fluid_solver::rectangle::Rectangle;
-//! use fluid_solver::state::SolidFields;
-//! use fluid_solver::step::{FluidSolver, Request};
+//! use fluid_solver::mesh::Rectangle;
+//! use fluid_solver::solid::SolidFields;
+//! use fluid_solver::step::FluidSolver;
 //!
 //! # fn main() -> Result<(), fluid_solver::error::FluidError> {
 //! let mesh = Rectangle::new([0.0, 0.0], [1.0, 1.0], [8, 8]).mesh()?;
 //! let config = FluidConfig::new(1000.0, 1e-3)
 //!     .with("all", Condition::NoSlip)
-//!     .with("top", Condition::Uniform([0.1, 0.0]));
+//!     .with("top", Condition::uniform([0.1, 0.0]));
 //! let mut solver = FluidSolver::new(config, mesh)?;
 //! let candidate = solver.advance(&Request::first(1, 0.1), &SolidFields::default())?;
 //! assert!(candidate.powers.kinetic_energy > 0.0);
@@ -29,27 +38,20 @@
 //! # }
 //! ```
 
-pub mod assembly;
 pub mod boundary;
+pub mod candidate;
 pub mod config;
-pub mod continuity;
 pub mod cost;
-pub mod creeping;
 pub mod diagnostics;
-pub mod dissection;
-pub mod element;
+pub mod equations;
 pub mod error;
-pub mod gmsh;
 pub mod linear;
-pub mod manufactured;
 pub mod mesh;
-pub mod momentum;
-pub mod multifrontal;
-pub mod pivoting;
-pub mod point;
-pub mod rectangle;
+pub mod numbers;
+pub mod problem;
 pub mod serve;
+pub mod solid;
 pub mod solve;
-pub mod stabilization;
 pub mod state;
 pub mod step;
+pub mod time_scheme;

@@ -8,20 +8,24 @@ use protocol::configure::{self, Convection, FluidScene, MeshSource};
 use protocol::engine::{FluidAnswer, FluidEngine, MeshDescription, SolidResponse};
 use protocol::messages::{Advance, Capability, Diagnostic, Failure, FailureKind};
 
-use crate::boundary::{Condition, periodic_directions};
-use crate::config::{CREEPING_REYNOLDS, FluidConfig, Nonlinear, TimeScheme};
-use crate::error::FluidError;
-use crate::gmsh;
-use crate::mesh::Mesh;
-use crate::point::ViscousForm;
-use crate::rectangle::{Diagonals, Rectangle};
-use crate::state::{SolidFields, State};
-use crate::step::{FluidSolver, Request};
+use space::flat;
 
-/// The built-in fluid engine.
+use crate::boundary::condition::{Condition, periodic_directions};
+use crate::candidate::Request;
+use crate::config::{CREEPING_REYNOLDS, FluidConfig, Nonlinear, TimeScheme};
+use crate::equations::coefficients::ViscousForm;
+use crate::error::FluidError;
+use crate::mesh::gmsh;
+use crate::mesh::rectangle::{Diagonals, Rectangle};
+use crate::mesh::simplices::Mesh;
+use crate::solid::SolidFields;
+use crate::state::State;
+use crate::step::FluidSolver;
+
+/// The built-in fluid engine, in the plane: the scene's meshes are plane.
 #[derive(Default)]
 pub struct Engine {
-    solver: Option<FluidSolver>,
+    solver: Option<FluidSolver<2, 3>>,
 }
 
 /// `main` of the engine's process.
@@ -49,7 +53,7 @@ impl FluidEngine for Engine {
         let description = describe(&mesh);
         tracing::info!(
             nodes = mesh.node_count(),
-            triangles = mesh.triangles.len(),
+            triangles = mesh.simplices.len(),
             "mesh"
         );
         self.solver = Some(FluidSolver::new(config, mesh).map_err(refuse)?);
@@ -80,11 +84,11 @@ impl FluidEngine for Engine {
         let copies = [
             (
                 answer.interstitial_velocity,
-                candidate.interstitial_velocity.as_flattened(),
+                flat::numbers(&candidate.interstitial_velocity),
             ),
             (
                 answer.pressure_gradient,
-                candidate.pressure_gradient.as_flattened(),
+                flat::numbers(&candidate.pressure_gradient),
             ),
             (answer.pressure, &candidate.state.pressure[..]),
         ];
@@ -117,7 +121,7 @@ impl FluidEngine for Engine {
 }
 
 impl Engine {
-    fn solver(&mut self) -> Result<&mut FluidSolver, Failure> {
+    fn solver(&mut self) -> Result<&mut FluidSolver<2, 3>, Failure> {
         let missing = || Failure::new(FailureKind::Engine, "the engine is not configured");
         self.solver.as_mut().ok_or_else(missing)
     }
@@ -136,18 +140,18 @@ fn failure(error: FluidError) -> Failure {
     Failure::new(kind, error.to_string())
 }
 
-fn config(scene: &FluidScene) -> FluidConfig {
+fn config(scene: &FluidScene) -> FluidConfig<2> {
     let mut config = FluidConfig::new(scene.density, scene.dynamic_viscosity);
     let named = scene.boundaries.iter();
     config.boundaries = named
         .map(|(name, boundary)| (name.clone(), condition(boundary)))
         .collect();
-    config.gravity = scene.gravity;
+    config.gravity = scene.gravity.into();
     config.convection = scene.convection != Convection::Never;
     config.creeping_below = (scene.convection == Convection::AsNeeded).then_some(CREEPING_REYNOLDS);
     config.grad_div = scene.grad_div;
     config.threads = scene.threads;
-    config.initial_velocity = scene.initial_velocity;
+    config.initial_velocity = scene.initial_velocity.into();
     config.time_scheme = match scene.time_scheme {
         configure::TimeScheme::BackwardEuler => TimeScheme::BackwardEuler,
         configure::TimeScheme::Bdf2 => TimeScheme::Bdf2,
@@ -170,20 +174,23 @@ fn config(scene: &FluidScene) -> FluidConfig {
     config
 }
 
-fn condition(boundary: &configure::Boundary) -> Condition {
+fn condition(boundary: &configure::Boundary) -> Condition<2> {
     match boundary {
         configure::Boundary::NoSlip => Condition::NoSlip,
         configure::Boundary::Slip => Condition::Slip,
         configure::Boundary::Periodic => Condition::Periodic,
         configure::Boundary::Inflow { velocity, profile } => match profile {
-            configure::Profile::Uniform => Condition::Uniform(*velocity),
-            configure::Profile::Parabolic => Condition::Parabolic(*velocity),
+            configure::Profile::Uniform => Condition::uniform(*velocity),
+            configure::Profile::Parabolic => Condition::Parabolic((*velocity).into()),
         },
         configure::Boundary::Open { pressure } => Condition::Open(*pressure),
     }
 }
 
-fn mesh(source: &MeshSource, boundaries: &BTreeMap<String, Condition>) -> Result<Mesh, FluidError> {
+fn mesh(
+    source: &MeshSource,
+    boundaries: &BTreeMap<String, Condition<2>>,
+) -> Result<Mesh<2, 3>, FluidError> {
     match source {
         MeshSource::File { path } => gmsh::read(Path::new(path)),
         MeshSource::Rectangle {
@@ -193,14 +200,14 @@ fn mesh(source: &MeshSource, boundaries: &BTreeMap<String, Condition>) -> Result
             diagonals,
             grading,
         } => Rectangle {
-            lower: *lower,
-            upper: *upper,
+            lower: (*lower).into(),
+            upper: (*upper).into(),
             cells: *cells,
             diagonals: match diagonals {
                 configure::Diagonals::Alternate => Diagonals::Alternate,
                 configure::Diagonals::Uniform => Diagonals::Uniform,
             },
-            grading: *grading,
+            grading: (*grading).into(),
             periodic: periodic_directions(boundaries)?,
         }
         .mesh(),
@@ -208,19 +215,19 @@ fn mesh(source: &MeshSource, boundaries: &BTreeMap<String, Condition>) -> Result
 }
 
 /// The mesh as the coupler needs it.
-fn describe(mesh: &Mesh) -> MeshDescription {
-    let flat = |corners: &[[f64; 2]; 3]| {
-        let [a, b, c] = *corners;
-        [a[0], a[1], b[0], b[1], c[0], c[1]]
-    };
+fn describe(mesh: &Mesh<2, 3>) -> MeshDescription {
     MeshDescription {
-        node_position: mesh.position.as_flattened().to_vec(),
+        node_position: flat::numbers(&mesh.position).to_vec(),
         triangles: mesh
-            .triangles
+            .simplices
             .iter()
             .map(|nodes| nodes.map(|node| node as u32))
             .collect(),
-        triangle_position: mesh.corners.iter().map(flat).collect(),
+        triangle_position: mesh
+            .corners
+            .iter()
+            .map(|corners| std::array::from_fn(|k| corners[k / 2][k % 2]))
+            .collect(),
         nodal_mass: mesh.nodal_mass.clone(),
         period: mesh.period,
     }

@@ -5,17 +5,23 @@
 //!   residual  ‖S(r − K(v)x)‖ / ‖S |K(v)||x|‖ over the free unknowns, S the nodal scaling
 //! ```
 
-use crate::assembly::System;
-use crate::boundary::Constraints;
+use std::sync::Arc;
+
+use space::{Dim, Dimension};
+
+use crate::boundary::constraints::Constraints;
+use crate::boundary::frame::velocity_of;
 use crate::config::Nonlinear;
 use crate::cost::{Cost, cpu_seconds};
-use crate::diagnostics::{Numbers, named};
+use crate::equations::assembly::Assembly;
+use crate::equations::coefficients::Coefficients;
 use crate::error::FluidError;
-use crate::linear::LinearSolver;
-use crate::mesh::Mesh;
-use crate::point::{Carrier, Coefficients};
-use crate::state::{Flow, SolidMatrix};
-use crate::step::velocity_of;
+use crate::linear::solver::LinearSolver;
+use crate::linear::system::System;
+use crate::mesh::simplices::Mesh;
+use crate::numbers::{Numbers, named};
+use crate::solid::SolidMatrix;
+use crate::state::Flow;
 
 /// Picard iterations before Newton takes over, and after a Newton step that made things worse.
 const PICARD_FIRST: usize = 3;
@@ -25,24 +31,35 @@ const GROWTH_MAX: f64 = 2.0;
 const STEADY_PICARD: (f64, usize) = (1e-8, 200);
 
 /// Everything the last factorised matrix depended on. Equal keys: equal matrix, bit for bit.
-#[derive(PartialEq)]
-pub struct MatrixKey {
-    solid: SolidMatrix,
+pub struct MatrixKey<const D: usize> {
+    solid: Arc<SolidMatrix>,
     rate: f64,
-    convecting: Vec<(Flow, f64)>,
+    convecting: Vec<(Flow<D>, f64)>,
 }
 
-impl MatrixKey {
-    fn new(terms: &Coefficients<'_>) -> MatrixKey {
-        let convecting = terms
-            .carriers
-            .iter()
-            .filter(|carrier| carrier.convects != 0.0);
+/// The flows that convect, with their weights.
+fn convecting<'a, const D: usize>(
+    terms: &'a Coefficients<'_, D>,
+) -> impl Iterator<Item = (&'a Flow<D>, f64)> {
+    let carriers = terms.carriers.iter();
+    let moving = carriers.filter(|carrier| carrier.convects != 0.0);
+    moving.map(|carrier| (carrier.flow, carrier.convects))
+}
+
+impl<const D: usize> MatrixKey<D> {
+    fn new(terms: &Coefficients<'_, D>) -> MatrixKey<D> {
         MatrixKey {
-            solid: terms.solid.matrix.clone(),
+            solid: Arc::clone(&terms.solid.matrix),
             rate: terms.rate,
-            convecting: convecting.map(|c| (c.flow.clone(), c.convects)).collect(),
+            convecting: convecting(terms)
+                .map(|(flow, weight)| (flow.clone(), weight))
+                .collect(),
         }
+    }
+
+    fn belongs_to(&self, terms: &Coefficients<'_, D>) -> bool {
+        let own = self.convecting.iter().map(|(flow, weight)| (flow, *weight));
+        self.rate == terms.rate && self.solid == terms.solid.matrix && own.eq(convecting(terms))
     }
 }
 
@@ -67,51 +84,71 @@ impl Effort {
             ("pivoted", f64::from(u8::from(self.pivoted))),
         ])
     }
+
+    fn note(&mut self, solution: &crate::linear::solver::Solution) {
+        self.backward_error = self.backward_error.max(solution.backward_error);
+        self.pivoted |= solution.pivoted;
+        self.iterations += 1;
+    }
 }
 
-/// The pieces that a solve needs, and what came of them.
-pub struct Equations<'a> {
+/// Unknowns that fulfil the equations.
+pub struct Solution<const D: usize> {
+    /// The components of u and p, node by node.
+    pub unknowns: Vec<f64>,
+    /// The flow that convects, where it was found by iteration.
+    pub convecting: Option<Flow<D>>,
+    /// What it took.
+    pub effort: Effort,
+}
+
+/// The pieces that a solve needs.
+pub struct Equations<'a, const D: usize, const N: usize> {
     /// The mesh.
-    pub mesh: &'a Mesh,
+    pub mesh: &'a Mesh<D, N>,
     /// Its conditions.
-    pub constraints: &'a Constraints,
+    pub constraints: &'a Constraints<D>,
     /// The assembled system.
-    pub system: &'a mut System,
+    pub system: &'a mut System<N>,
     /// The factor.
-    pub linear: &'a mut LinearSolver,
+    pub linear: &'a mut LinearSolver<N>,
     /// What the factor belongs to.
-    pub key: &'a mut Option<MatrixKey>,
+    pub key: &'a mut Option<MatrixKey<D>>,
     /// Given unknowns.
     pub given: &'a [f64],
     /// ∮ N_i Q_n
     pub flux: &'a [f64],
-    /// Solves so far.
-    pub effort: Effort,
     /// CPU time so far.
     pub cost: &'a mut Cost,
 }
 
-impl Equations<'_> {
+impl<const D: usize, const N: usize> Equations<'_, D, N>
+where
+    Dim<D>: Dimension<D>,
+{
     /// One linear solve; the factor is reused when the matrix is the same.
-    pub fn solve_once(&mut self, terms: &Coefficients<'_>) -> Result<Vec<f64>, FluidError> {
-        let key = MatrixKey::new(terms);
-        let same = self.key.as_ref() == Some(&key);
+    pub fn solve_once(&mut self, terms: &Coefficients<'_, D>) -> Result<Solution<D>, FluidError> {
+        let mut effort = Effort::default();
+        let same = self.key.as_ref().is_some_and(|key| key.belongs_to(terms));
         self.assemble(terms, !same);
         if !same {
-            self.factorise();
-            *self.key = Some(key);
+            self.factorise(&mut effort);
+            *self.key = Some(MatrixKey::new(terms));
         }
-        self.effort.iterations = 1;
-        self.solve()
+        Ok(Solution {
+            unknowns: self.solve(&mut effort)?,
+            convecting: None,
+            effort,
+        })
     }
 
     /// Picard and Newton iterations; afterwards the system holds K(v) and r at the solution.
     pub fn iterate(
         &mut self,
-        terms: &Coefficients<'_>,
-        start: &Flow,
+        terms: &Coefficients<'_, D>,
+        start: &Flow<D>,
         nonlinear: Nonlinear,
-    ) -> Result<(Vec<f64>, Flow), FluidError> {
+    ) -> Result<Solution<D>, FluidError> {
         let (tolerance, iterations_max, newton) = match nonlinear {
             Nonlinear::Picard => (STEADY_PICARD.0, STEADY_PICARD.1, false),
             Nonlinear::Newton {
@@ -119,6 +156,7 @@ impl Equations<'_> {
                 iterations_max,
             } => (tolerance, iterations_max, true),
         };
+        let mut effort = Effort::default();
         let mut flow = start.clone();
         let mut unknowns: Option<Vec<f64>> = None;
         let mut picard_left = PICARD_FIRST;
@@ -130,13 +168,17 @@ impl Equations<'_> {
                 ..*terms
             };
             self.assemble(&now, true);
-            if let Some(x) = unknowns.take() {
+            if let Some(unknowns) = unknowns.take() {
                 let last = residual;
-                residual = self.linear.residual(self.system, &x);
+                residual = self.linear.residual(self.system, &unknowns);
                 tracing::debug!(iteration, residual, "nonlinear iteration");
-                self.effort.nonlinear_residual = residual;
+                effort.nonlinear_residual = residual;
                 if residual <= tolerance {
-                    return Ok((x, flow));
+                    return Ok(Solution {
+                        unknowns,
+                        convecting: Some(flow),
+                        effort,
+                    });
                 }
                 if residual > GROWTH_MAX * last {
                     picard_left = PICARD_FIRST;
@@ -155,14 +197,13 @@ impl Equations<'_> {
                 );
             }
             picard_left = picard_left.saturating_sub(1);
-            self.factorise();
-            let x = self.solve()?;
-            self.effort.iterations += 1;
+            self.factorise(&mut effort);
+            let found = self.solve(&mut effort)?;
             flow = Flow {
-                superficial_velocity: velocity_of(&x, &self.constraints.frames),
+                superficial_velocity: velocity_of(&found, &self.constraints.frames),
                 porosity: terms.solid.matrix.porosity.clone(),
             };
-            unknowns = Some(x);
+            unknowns = Some(found);
         }
         Err(FluidError::NotConverged {
             residual,
@@ -171,50 +212,32 @@ impl Equations<'_> {
         })
     }
 
-    fn assemble(&mut self, terms: &Coefficients<'_>, matrix_too: bool) {
+    fn assemble(&mut self, terms: &Coefficients<'_, D>, matrix_too: bool) {
         let begin = cpu_seconds();
-        self.system
-            .assemble(terms, self.mesh, self.constraints, self.flux, matrix_too);
+        let assembly = Assembly {
+            terms,
+            mesh: self.mesh,
+            constraints: self.constraints,
+            flux: self.flux,
+        };
+        assembly.fill(self.system, matrix_too);
         self.cost.assembly += cpu_seconds() - begin;
     }
 
-    fn factorise(&mut self) {
+    fn factorise(&mut self, effort: &mut Effort) {
         let begin = cpu_seconds();
         *self.key = None;
         self.linear.factorise(self.system);
-        self.effort.factorised += 1;
+        effort.factorised += 1;
         self.cost.factor += cpu_seconds() - begin;
     }
 
-    fn solve(&mut self) -> Result<Vec<f64>, FluidError> {
+    fn solve(&mut self, effort: &mut Effort) -> Result<Vec<f64>, FluidError> {
         let begin = cpu_seconds();
         let solved = self.linear.solve(self.system, self.given);
         self.cost.solve += cpu_seconds() - begin;
         let solution = solved?;
-        self.effort.backward_error = self.effort.backward_error.max(solution.backward_error);
-        self.effort.pivoted |= solution.pivoted;
+        effort.note(&solution);
         Ok(solution.unknowns)
-    }
-}
-
-impl Coefficients<'_> {
-    /// The carriers with `flow` convecting in place of the extrapolation.
-    pub fn relay<'f>(&self, flow: &'f Flow) -> Vec<Carrier<'f>>
-    where
-        Self: 'f,
-    {
-        let still = self.carriers.iter().map(|carrier| Carrier {
-            convects: 0.0,
-            ..*carrier
-        });
-        let moving = Carrier {
-            flow,
-            convects: 1.0,
-            history: 0.0,
-        };
-        still
-            .filter(|carrier| carrier.history != 0.0)
-            .chain(std::iter::once(moving))
-            .collect()
     }
 }

@@ -1,12 +1,16 @@
 //! Balances that hold to round-off: rest, translation, energy, and what a candidate may touch.
 
 use fluid_solver::boundary::Condition;
+use fluid_solver::candidate::Request;
 use fluid_solver::config::{FluidConfig, TimeScheme};
+use fluid_solver::equations::ViscousForm;
 use fluid_solver::mesh::Mesh;
-use fluid_solver::point::ViscousForm;
-use fluid_solver::rectangle::{Diagonals, Rectangle};
-use fluid_solver::state::{Flow, SolidFields, State};
-use fluid_solver::step::{FluidSolver, Request};
+use fluid_solver::mesh::{Diagonals, Rectangle};
+use fluid_solver::solid::SolidFields;
+use fluid_solver::state::{Flow, State};
+use fluid_solver::step::FluidSolver;
+use space::Vector;
+use space::vector::from_fn;
 
 use crate::support::{Random, deposit, largest_difference};
 
@@ -21,7 +25,7 @@ struct RandomSolid {
 }
 
 impl RandomSolid {
-    fn new(mesh: &Mesh, drag: f64, seed: u64) -> RandomSolid {
+    fn new(mesh: &Mesh<2, 3>, drag: f64, seed: u64) -> RandomSolid {
         let n = mesh.node_count();
         let mut random = Random(seed);
         let mut many = |count: usize, low: f64, high: f64| -> Vec<f64> {
@@ -70,14 +74,14 @@ fn fluid_rests_under_oblique_gravity_whatever_the_porosity() {
             (TimeScheme::Steady, 0.0, 1.0),
         ] {
             let mut rectangle = Rectangle::new([0.0; 2], [1.0, height], [24; 2]);
-            rectangle.grading = [3.0, 1.0];
+            rectangle.grading = [3.0, 1.0].into();
             let mesh = rectangle.mesh().unwrap();
             let solid = RandomSolid::new(&mesh, drag, 7);
             let mut config = FluidConfig::new(1000.0, 0.12).with("all", Condition::NoSlip);
             if open {
                 config = config.with("top", Condition::Open(0.0));
             }
-            config.gravity = gravity;
+            config.gravity = gravity.into();
             config.time_scheme = scheme;
             let mut solver = FluidSolver::new(config, mesh).unwrap();
             let fields = SolidFields {
@@ -90,7 +94,7 @@ fn fluid_rests_under_oblique_gravity_whatever_the_porosity() {
                 solver.commit().unwrap();
             }
             let state = solver.state();
-            let v = largest_difference(&state.now.interstitial_velocity(), |_| [0.0; 2]);
+            let v = largest_difference(&state.now.interstitial_velocity(), |_| Vector::zeros());
             let exact = |n: usize| {
                 let x = solver.mesh().position[n];
                 1000.0 * (gravity[0] * x[0] + gravity[1] * x[1])
@@ -126,14 +130,15 @@ fn packing_and_fluid_translate_together_through_the_mesh() {
             let fraction = if per_cell == 1 { 0.1 } else { 0.4 };
             let volume = fraction / count as f64;
             let mut random = Random(3);
-            let mut grains: Vec<[f64; 2]> =
-                (0..count).map(|_| [random.unit(), random.unit()]).collect();
+            let mut grains: Vec<Vector<2>> = (0..count)
+                .map(|_| [random.unit(), random.unit()].into())
+                .collect();
             let dt = 0.2 / cells as f64;
             let gamma = 1e4 * volume;
             let mut porosity_min = f64::INFINITY;
             for step in 0..3 {
                 for x in &mut grains {
-                    *x = [0, 1].map(|d| (x[d] + dt * uniform[d]).rem_euclid(1.0));
+                    *x = from_fn(|d| (x[d] + dt * uniform[d]).rem_euclid(1.0));
                 }
                 let mesh = solver.mesh();
                 let solid = deposit(mesh, &grains, |_| volume);
@@ -150,7 +155,10 @@ fn packing_and_fluid_translate_together_through_the_mesh() {
                 let mobility = scaled(volume * volume * response / gamma);
                 porosity_min = porosity.iter().copied().fold(porosity_min, f64::min);
                 if step == 0 {
-                    let velocity = porosity.iter().map(|p| uniform.map(|u| p * u)).collect();
+                    let velocity = porosity
+                        .iter()
+                        .map(|p| Vector::from(uniform.map(|u| p * u)))
+                        .collect();
                     let now = Flow {
                         superficial_velocity: velocity,
                         porosity: porosity.clone(),
@@ -177,7 +185,7 @@ fn packing_and_fluid_translate_together_through_the_mesh() {
                 solver.commit().unwrap();
             }
             let v = solver.state().now.interstitial_velocity();
-            let difference = largest_difference(&v, |_| uniform);
+            let difference = largest_difference(&v, |_| uniform.into());
             let pressure = solver
                 .state()
                 .pressure
@@ -193,20 +201,20 @@ fn packing_and_fluid_translate_together_through_the_mesh() {
 }
 
 /// A rectangle turned by an angle, so that no wall follows an axis.
-fn turned(cells: [usize; 2], angle: f64) -> Mesh {
+fn turned(cells: [usize; 2], angle: f64) -> Mesh<2, 3> {
     let flat = Rectangle::new([0.0; 2], [2.0, 1.0], cells).mesh().unwrap();
     let (s, c) = angle.sin_cos();
     let position = flat
         .position
         .iter()
-        .map(|x| [c * x[0] - s * x[1], s * x[0] + c * x[1]])
+        .map(|x| Vector::from([c * x[0] - s * x[1], s * x[0] + c * x[1]]))
         .collect();
     let named: Vec<_> = flat
-        .edges
+        .facets
         .iter()
-        .map(|e| (e.node[0], e.node[1], e.boundary))
+        .map(|facet| (facet.node, facet.boundary))
         .collect();
-    Mesh::new(position, flat.triangles, flat.boundary_names, &named, |t| t).unwrap()
+    Mesh::new(position, flat.simplices, flat.boundary_names, &named, |t| t).unwrap()
 }
 
 #[test]
@@ -215,14 +223,14 @@ fn plug_flow_between_oblique_slip_walls_is_exact() {
     let along = [angle.cos(), angle.sin()];
     let mut config = FluidConfig::new(1.0, 0.1)
         .with("all", Condition::Slip)
-        .with("left", Condition::Uniform(along))
+        .with("left", Condition::uniform(along))
         .with("right", Condition::Open(0.0));
-    config.initial_velocity = along;
+    config.initial_velocity = (along).into();
     let mut solver = FluidSolver::new(config, turned([12, 6], angle)).unwrap();
     let candidate = solver
         .advance(&Request::first(1, 0.1), &SolidFields::default())
         .unwrap();
-    let difference = largest_difference(&candidate.interstitial_velocity, |_| along);
+    let difference = largest_difference(&candidate.interstitial_velocity, |_| along.into());
     println!("largest |v - U| {difference:.1e}");
     assert!(difference <= 1e-12);
 }
@@ -234,11 +242,11 @@ fn energy_identity_closes_to_round_off() {
         .with("all", Condition::NoSlip)
         .with(
             "top",
-            Condition::Uniform([0.3 * angle.cos(), 0.3 * angle.sin()]),
+            Condition::uniform([0.3 * angle.cos(), 0.3 * angle.sin()]),
         );
     let channel = FluidConfig::new(1000.0, 0.1)
         .with("all", Condition::Slip)
-        .with("left", Condition::Parabolic([0.2, 0.1]))
+        .with("left", Condition::Parabolic([0.2, 0.1].into()))
         .with("right", Condition::Open(50.0));
     let mut literal = channel.clone();
     literal.viscous_form = ViscousForm::PaperLiteral;
@@ -251,7 +259,7 @@ fn energy_identity_closes_to_round_off() {
         ("literal", literal),
         ("BDF2", bdf2),
     ] {
-        config.gravity = [0.5, -9.81];
+        config.gravity = [0.5, -9.81].into();
         let mesh = turned([14, 9], angle);
         let solid = RandomSolid::new(&mesh, 1e4, 11);
         let mut solver = FluidSolver::new(config, mesh).unwrap();
@@ -281,7 +289,7 @@ fn another_pass_reuses_the_factor_and_leaves_the_accepted_state_alone() {
     let mesh = rectangle.mesh().unwrap();
     let mut solid = RandomSolid::new(&mesh, 1e3, 5);
     let mut config = FluidConfig::new(1000.0, 0.1).with("all", Condition::NoSlip);
-    config.gravity = [0.0, -9.81];
+    config.gravity = [0.0, -9.81].into();
     let mut solver = FluidSolver::new(config, mesh).unwrap();
     solver
         .advance(&Request::first(1, 0.01), &solid.fields())
@@ -344,7 +352,7 @@ fn linear_solves_stay_accurate_at_any_contrast_of_drag() {
                 };
             }
             let mut config = FluidConfig::new(density, viscosity).with("all", Condition::NoSlip);
-            config.gravity = [0.0, -9.81];
+            config.gravity = [0.0, -9.81].into();
             let mut solver = FluidSolver::new(config, mesh).unwrap();
             let (mut worst, mut pivoted): (f64, f64) = (0.0, 0.0);
             for _ in 0..3 {
@@ -369,7 +377,7 @@ fn threads_do_not_change_a_bit() {
             .unwrap();
         let solid = RandomSolid::new(&mesh, 1e5, 21);
         let mut config = FluidConfig::new(1000.0, 0.1).with("all", Condition::NoSlip);
-        config.gravity = [0.0, -9.81];
+        config.gravity = [0.0, -9.81].into();
         config.threads = threads;
         let mut solver = FluidSolver::new(config, mesh).unwrap();
         let candidate = solver
@@ -390,10 +398,10 @@ fn a_checkpoint_brings_back_the_same_bits() {
     let mesh = Rectangle::new([0.0; 2], [1.0; 2], [10; 2]).mesh().unwrap();
     let solid = RandomSolid::new(&mesh, 1e3, 9);
     let mut config = FluidConfig::new(1000.0, 0.1).with("all", Condition::NoSlip);
-    config.gravity = [0.0, -9.81];
+    config.gravity = [0.0, -9.81].into();
     config.time_scheme = TimeScheme::Bdf2;
     let mut solver = FluidSolver::new(config.clone(), mesh.clone()).unwrap();
-    let step = |solver: &mut FluidSolver| {
+    let step = |solver: &mut FluidSolver<2, 3>| {
         solver
             .advance(&Request::first(1, 0.01), &solid.fields())
             .unwrap();

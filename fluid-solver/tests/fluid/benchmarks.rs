@@ -4,11 +4,14 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use fluid_solver::boundary::Condition;
+use fluid_solver::candidate::{Candidate, Request};
 use fluid_solver::config::{FluidConfig, Nonlinear, TimeScheme};
-use fluid_solver::gmsh;
-use fluid_solver::rectangle::Rectangle;
-use fluid_solver::state::{Flow, SolidFields, State};
-use fluid_solver::step::{Candidate, FluidSolver, Request};
+use fluid_solver::mesh::Rectangle;
+use fluid_solver::mesh::gmsh;
+use fluid_solver::solid::SolidFields;
+use fluid_solver::state::{Flow, State};
+use fluid_solver::step::FluidSolver;
+use space::Vector;
 
 use crate::support::{at_nodes, errors, nodal_energy, order};
 
@@ -27,7 +30,7 @@ fn poiseuille_flow_has_order_two() {
             .unwrap();
         let mut config = FluidConfig::new(1.0, 0.1)
             .with("all", Condition::NoSlip)
-            .with("left", Condition::Parabolic([1.0, 0.0]))
+            .with("left", Condition::Parabolic([1.0, 0.0].into()))
             .with("right", Condition::Open(0.0));
         config.time_scheme = TimeScheme::Steady;
         config.nonlinear = NEWTON;
@@ -38,7 +41,7 @@ fn poiseuille_flow_has_order_two() {
             .number("pressure_drop")
             .unwrap();
         solver.commit().unwrap();
-        let exact = |x: [f64; 2]| [4.0 * x[1] * (1.0 - x[1]), 0.0];
+        let exact = |x: &Vector<2>| [4.0 * x[1] * (1.0 - x[1]), 0.0].into();
         let (ev, _) = errors(solver.mesh(), solver.state(), exact, |x| 0.8 * (4.0 - x[0]));
         let observed = last.map(|coarse| order(coarse, ev));
         println!("{n:2}  {ev:.3e}  {observed:.2?}  {drop:.5}");
@@ -50,17 +53,17 @@ fn poiseuille_flow_has_order_two() {
 }
 
 /// Taylor–Green vortices in a slip box [0, π]², decaying as exp(−2νt): state at t = 1.
-fn taylor_green(n: usize, dt: f64, viscosity: f64) -> FluidSolver {
+fn taylor_green(n: usize, dt: f64, viscosity: f64) -> FluidSolver<2, 3> {
     let mesh = Rectangle::new([0.0; 2], [PI; 2], [n; 2]).mesh().unwrap();
     let mut config = FluidConfig::new(1.0, viscosity).with("all", Condition::Slip);
     config.time_scheme = TimeScheme::Bdf2;
     let flow = |t: f64| {
         let decay = (-2.0 * viscosity * t).exp();
-        let velocity = |x: [f64; 2]| {
-            [
+        let velocity = |x: &Vector<2>| {
+            Vector::from([
                 x[0].sin() * x[1].cos() * decay,
                 -x[0].cos() * x[1].sin() * decay,
-            ]
+            ])
         };
         Flow {
             superficial_velocity: at_nodes(&mesh, velocity),
@@ -95,11 +98,11 @@ fn taylor_green_vortices_decay_with_order_two_in_space_and_time() {
         let viscosity = 0.05;
         let solver = taylor_green(n, 0.05, viscosity);
         let decay = (-2.0 * viscosity).exp();
-        let velocity = |x: [f64; 2]| {
-            [
+        let velocity = |x: &Vector<2>| {
+            Vector::from([
                 x[0].sin() * x[1].cos() * decay,
                 -x[0].cos() * x[1].sin() * decay,
-            ]
+            ])
         };
         let (ev, _) = errors(solver.mesh(), solver.state(), velocity, |_| 0.0);
         let energy = nodal_energy(solver.mesh(), &solver.state().now.interstitial_velocity());
@@ -135,12 +138,12 @@ fn taylor_green_vortices_decay_with_order_two_in_space_and_time() {
 }
 
 /// Steady lid-driven cavity: u on the vertical centre line as (y, u), started from `from`.
-fn cavity(n: usize, reynolds: f64, from: Option<State>) -> (Vec<(f64, f64)>, State) {
+fn cavity(n: usize, reynolds: f64, from: Option<State<2>>) -> (Vec<(f64, f64)>, State<2>) {
     let mut rectangle = Rectangle::new([0.0; 2], [1.0; 2], [n; 2]);
-    rectangle.grading = [4.0; 2];
+    rectangle.grading = [4.0; 2].into();
     let mut config = FluidConfig::new(1.0, 1.0 / reynolds)
         .with("all", Condition::NoSlip)
-        .with("top", Condition::Uniform([1.0, 0.0]));
+        .with("top", Condition::uniform([1.0, 0.0]));
     config.time_scheme = TimeScheme::Steady;
     config.nonlinear = NEWTON;
     config.grad_div = 0.1;
@@ -205,7 +208,7 @@ fn cavity_flow_has_the_published_extremum() {
 }
 
 /// DFG 2D-1 (Schäfer and Turek 1996), Re = 20: drag and lift coefficients.
-fn cylinder(file: &str) -> (usize, f64, f64, Candidate) {
+fn cylinder(file: &str) -> (usize, f64, f64, Candidate<2>) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../scenes/meshes")
         .join(file);
@@ -214,7 +217,7 @@ fn cylinder(file: &str) -> (usize, f64, f64, Candidate) {
     let nodes = mesh.node_count();
     let mut config = FluidConfig::new(1.0, 1e-3)
         .with("all", Condition::NoSlip)
-        .with("inlet", Condition::Parabolic([0.3, 0.0]))
+        .with("inlet", Condition::Parabolic([0.3, 0.0].into()))
         .with("outlet", Condition::Open(0.0));
     config.time_scheme = TimeScheme::Steady;
     config.nonlinear = NEWTON;
@@ -225,7 +228,7 @@ fn cylinder(file: &str) -> (usize, f64, f64, Candidate) {
         .unwrap()
         .clone();
     let scale = 2.0 / (0.2 * 0.2 * 0.1);
-    let [drag, lift] = candidate.forces[body].map(|force| force * scale);
+    let [drag, lift] = (candidate.forces[body] * scale).into();
     println!("nodes   c_d      c_l       iterations  drop");
     println!(
         "{nodes}  {drag:.5}  {lift:.6}  {}  {:.5}",

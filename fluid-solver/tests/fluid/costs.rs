@@ -1,10 +1,11 @@
 //! What a step costs, by phase.
 
 use fluid_solver::boundary::Condition;
+use fluid_solver::candidate::Request;
 use fluid_solver::config::FluidConfig;
-use fluid_solver::rectangle::Rectangle;
-use fluid_solver::state::SolidFields;
-use fluid_solver::step::{FluidSolver, Request};
+use fluid_solver::mesh::Rectangle;
+use fluid_solver::solid::SolidFields;
+use fluid_solver::step::FluidSolver;
 
 #[test]
 fn costs_are_those_of_all_candidates_since_the_last_commit() {
@@ -14,7 +15,7 @@ fn costs_are_those_of_all_candidates_since_the_last_commit() {
     let mut solver = FluidSolver::new(config, mesh).unwrap();
     const PHASES: [&str; 4] = ["assembly", "factor", "solve", "powers"];
     println!("candidate         {PHASES:?} [s]");
-    let costs = |name: &str, solver: &mut FluidSolver, pass: u32, dt: f64| {
+    let costs = |name: &str, solver: &mut FluidSolver<2, 3>, pass: u32, dt: f64| {
         let source = vec![f64::from(pass); 2 * solver.mesh().node_count()];
         let fields = SolidFields {
             drag_source: Some(&source),

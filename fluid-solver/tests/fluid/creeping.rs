@@ -1,26 +1,28 @@
 //! Convection is left out while the flow creeps, and comes back in the step that does not.
 
 use fluid_solver::boundary::Condition;
+use fluid_solver::candidate::{Candidate, Request};
 use fluid_solver::config::{CREEPING_REYNOLDS, FluidConfig};
-use fluid_solver::rectangle::Rectangle;
-use fluid_solver::state::{SolidFields, State};
-use fluid_solver::step::{Candidate, FluidSolver, Request};
+use fluid_solver::mesh::Rectangle;
+use fluid_solver::solid::SolidFields;
+use fluid_solver::state::State;
+use fluid_solver::step::FluidSolver;
 
 const DT: f64 = 0.01;
 /// A lid whose flow needs convection some steps after it began to move, not in the first.
 const LID: f64 = 1.672e-2;
 
 /// A cavity at rest whose lid begins to move.
-fn cavity(lid: f64, creeping_below: Option<f64>) -> FluidSolver {
+fn cavity(lid: f64, creeping_below: Option<f64>) -> FluidSolver<2, 3> {
     let mesh = Rectangle::new([0.0; 2], [1.0; 2], [12, 12]).mesh().unwrap();
     let mut config = FluidConfig::new(1.0, 1.0)
         .with("all", Condition::NoSlip)
-        .with("top", Condition::Uniform([lid, 0.0]));
+        .with("top", Condition::uniform([lid, 0.0]));
     config.creeping_below = creeping_below;
     FluidSolver::new(config, mesh).unwrap()
 }
 
-fn step(solver: &mut FluidSolver) -> Candidate {
+fn step(solver: &mut FluidSolver<2, 3>) -> Candidate<2> {
     let candidate = solver
         .advance(&Request::first(1, DT), &SolidFields::default())
         .unwrap()
@@ -30,17 +32,16 @@ fn step(solver: &mut FluidSolver) -> Candidate {
 }
 
 /// ‖a − b‖ over ‖b‖ of the velocity.
-fn difference(a: &State, b: &State) -> f64 {
+fn difference(a: &State<2>, b: &State<2>) -> f64 {
     let pairs = a
         .now
         .superficial_velocity
-        .as_flattened()
         .iter()
-        .zip(b.now.superficial_velocity.as_flattened());
+        .zip(&b.now.superficial_velocity);
     let (mut error, mut size) = (0.0, 0.0);
     for (a, b) in pairs {
-        error += (a - b) * (a - b);
-        size += b * b;
+        error += (a - b).norm_squared();
+        size += b.norm_squared();
     }
     f64::sqrt(error / size)
 }
@@ -109,7 +110,7 @@ fn convection_comes_back_in_the_step_that_needs_it_and_stays() {
 }
 
 /// Drag that holds the fluid back.
-fn held(solver: &FluidSolver) -> Vec<f64> {
+fn held(solver: &FluidSolver<2, 3>) -> Vec<f64> {
     vec![1e4; solver.mesh().node_count()]
 }
 
@@ -120,7 +121,7 @@ fn a_candidate_that_is_thrown_away_leaves_no_trace() {
         step(&mut solver);
         solver
     };
-    let ask = |solver: &mut FluidSolver, dt: f64, pass: u32| {
+    let ask = |solver: &mut FluidSolver<2, 3>, dt: f64, pass: u32| {
         let request = Request { step: 2, pass, dt };
         let candidate = solver.advance(&request, &SolidFields::default()).unwrap();
         candidate.clone()

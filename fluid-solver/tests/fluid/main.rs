@@ -7,5 +7,6 @@ mod creeping;
 mod manufactured;
 mod porous;
 mod refusals;
+mod space;
 mod support;
 mod symmetry;

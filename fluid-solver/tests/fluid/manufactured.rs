@@ -2,9 +2,10 @@
 //! equations is exercised.
 
 use fluid_solver::config::{Nonlinear, TimeScheme};
-use fluid_solver::manufactured::{lethe, suspension};
-use fluid_solver::rectangle::Rectangle;
+use fluid_solver::equations::manufactured::{lethe, suspension};
+use fluid_solver::mesh::Rectangle;
 use fluid_solver::step::FluidSolver;
+use space::Vector;
 
 use crate::support::order;
 
@@ -73,7 +74,7 @@ fn velocity_order_two_does_not_depend_on_the_drag() {
 }
 
 /// Nodal v at t = 0.5 with step `dt`, from exact data at t = 0.
-fn end_velocity(scheme: TimeScheme, dt: f64) -> Vec<[f64; 2]> {
+fn end_velocity(scheme: TimeScheme, dt: f64) -> Vec<Vector<2>> {
     // τ depends on Δt, so the error in space does too; where 12μ/h² ≫ ρ/Δt that is negligible.
     let mut exact = suspension(10.0, false);
     exact.viscosity = 1.0;

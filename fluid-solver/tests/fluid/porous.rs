@@ -1,20 +1,21 @@
 //! Flow through fixed solids whose pressure drop is known.
 
 use fluid_solver::boundary::Condition;
+use fluid_solver::candidate::Request;
 use fluid_solver::config::{FluidConfig, TimeScheme};
 use fluid_solver::mesh::Mesh;
-use fluid_solver::rectangle::Rectangle;
-use fluid_solver::state::SolidFields;
-use fluid_solver::step::{FluidSolver, Request};
+use fluid_solver::mesh::Rectangle;
+use fluid_solver::solid::SolidFields;
+use fluid_solver::step::FluidSolver;
 
 use crate::support::{at_nodes, largest_difference};
 
 /// Steady flow from left to right at superficial velocity `inflow` between slip walls: pressure
 /// drop, and the largest deviation of u from the inflow over the inflow.
-fn through(mesh: Mesh, inflow: f64, porosity: &[f64], drag: &[f64]) -> (f64, f64) {
+fn through(mesh: Mesh<2, 3>, inflow: f64, porosity: &[f64], drag: &[f64]) -> (f64, f64) {
     let mut config = FluidConfig::new(1e-3, 1e-2)
         .with("all", Condition::Slip)
-        .with("left", Condition::Uniform([inflow, 0.0]))
+        .with("left", Condition::uniform([inflow, 0.0]))
         .with("right", Condition::Open(0.0));
     config.time_scheme = TimeScheme::Steady;
     config.convection = false;
@@ -26,7 +27,7 @@ fn through(mesh: Mesh, inflow: f64, porosity: &[f64], drag: &[f64]) -> (f64, f64
     };
     let candidate = solver.advance(&Request::first(1, 1.0), &fields).unwrap();
     let u = &candidate.state.now.superficial_velocity;
-    let deviation = largest_difference(u, |_| [inflow, 0.0]) / inflow;
+    let deviation = largest_difference(u, |_| [inflow, 0.0].into()) / inflow;
     (candidate.number("pressure_drop").unwrap(), deviation)
 }
 

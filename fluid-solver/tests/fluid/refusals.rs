@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use fluid_solver::boundary::Condition;
+use fluid_solver::candidate::Request;
 use fluid_solver::config::FluidConfig;
 use fluid_solver::error::FluidError;
-use fluid_solver::gmsh;
-use fluid_solver::rectangle::Rectangle;
-use fluid_solver::state::SolidFields;
-use fluid_solver::step::{FluidSolver, Request};
+use fluid_solver::mesh::{Rectangle, gmsh};
+use fluid_solver::solid::SolidFields;
+use fluid_solver::step::FluidSolver;
 
 /// A unit square of two triangles; curves 1…4 are bottom, right, top, left.
 const SQUARE: &str = r#"$MeshFormat
@@ -56,7 +56,7 @@ $Elements
 $EndElements
 "#;
 
-fn parse(text: &str) -> Result<fluid_solver::mesh::Mesh, FluidError> {
+fn parse(text: &str) -> Result<fluid_solver::mesh::Mesh<2, 3>, FluidError> {
     gmsh::parse(Path::new("square.msh"), text)
 }
 
@@ -73,11 +73,11 @@ fn says<T>(result: Result<T, FluidError>, parts: &[&str]) {
 fn a_gmsh_square_is_read_with_its_boundaries() {
     let mesh = parse(SQUARE).unwrap();
     assert_eq!(
-        (mesh.node_count(), mesh.triangles.len(), mesh.edges.len()),
+        (mesh.node_count(), mesh.simplices.len(), mesh.facets.len()),
         (4, 2, 4)
     );
     assert_eq!(mesh.boundary_names, ["floor", "rest"]);
-    assert_eq!(mesh.edges.iter().filter(|e| e.boundary == 0).count(), 1);
+    assert_eq!(mesh.facets.iter().filter(|e| e.boundary == 0).count(), 1);
 }
 
 #[test]
@@ -144,7 +144,7 @@ fn rectangle_errors_name_the_number() {
     );
 }
 
-fn solver(config: FluidConfig) -> Result<FluidSolver, FluidError> {
+fn solver(config: FluidConfig<2>) -> Result<FluidSolver<2, 3>, FluidError> {
     FluidSolver::new(config, Rectangle::new([0.0; 2], [1.0; 2], [4; 2]).mesh()?)
 }
 
@@ -167,7 +167,7 @@ fn boundary_errors_name_the_boundary_and_what_is_allowed() {
         solver(
             base()
                 .with("all", Condition::NoSlip)
-                .with("left", Condition::Uniform([1.0, 0.0])),
+                .with("left", Condition::uniform([1.0, 0.0])),
         ),
         &["closed domain", "net", "open boundary"],
     );

@@ -1,16 +1,14 @@
 //! Errors, random numbers, grains and tables that several tests share.
 
-use fluid_solver::element::Triangle;
 use fluid_solver::mesh::Mesh;
+use space::{Simplex, Vector, dot};
 
-pub use fluid_solver::manufactured::{at_nodes, errors};
+pub use fluid_solver::equations::manufactured::{at_nodes, errors};
 
 /// Kinetic energy per density, ½∫φ|v|², by nodal mass.
-pub fn nodal_energy(mesh: &Mesh, velocity: &[[f64; 2]]) -> f64 {
+pub fn nodal_energy(mesh: &Mesh<2, 3>, velocity: &[Vector<2>]) -> f64 {
     let pairs = mesh.nodal_mass.iter().zip(velocity);
-    pairs
-        .map(|(mass, v)| 0.5 * mass * (v[0] * v[0] + v[1] * v[1]))
-        .sum()
+    pairs.map(|(mass, v)| 0.5 * mass * dot(v, v)).sum()
 }
 
 /// Observed order between two meshes or steps whose ratio is two.
@@ -19,7 +17,7 @@ pub fn order(coarse: f64, fine: f64) -> f64 {
 }
 
 /// Largest |a − b| over nodes and components.
-pub fn largest_difference(a: &[[f64; 2]], b: impl Fn(usize) -> [f64; 2]) -> f64 {
+pub fn largest_difference(a: &[Vector<2>], b: impl Fn(usize) -> Vector<2>) -> f64 {
     let pairs = a
         .iter()
         .enumerate()
@@ -47,11 +45,11 @@ impl Random {
 }
 
 /// Deposit (point, value) pairs with linear weights, divided by the nodal mass.
-pub fn deposit(mesh: &Mesh, points: &[[f64; 2]], value: impl Fn(usize) -> f64) -> Vec<f64> {
+pub fn deposit(mesh: &Mesh<2, 3>, points: &[Vector<2>], value: impl Fn(usize) -> f64) -> Vec<f64> {
     let mut sum = vec![0.0; mesh.node_count()];
     for (k, x) in points.iter().enumerate() {
         let (t, shape) = locate(mesh, *x).expect("point inside the mesh");
-        for (node, weight) in mesh.triangles[t].iter().zip(shape) {
+        for (node, weight) in mesh.simplices[t].iter().zip(shape) {
             sum[*node] += weight * value(k);
         }
     }
@@ -62,7 +60,7 @@ pub fn deposit(mesh: &Mesh, points: &[[f64; 2]], value: impl Fn(usize) -> f64) -
 }
 
 /// The triangle that holds a point, and its shape functions there.
-fn locate(mesh: &Mesh, x: [f64; 2]) -> Option<(usize, [f64; 3])> {
+fn locate(mesh: &Mesh<2, 3>, x: Vector<2>) -> Option<(usize, [f64; 3])> {
     mesh.corners.iter().enumerate().find_map(|(t, corners)| {
         let low = [0, 1].map(|d| corners.iter().map(|c| c[d]).fold(f64::INFINITY, f64::min));
         let high = [0, 1].map(|d| {
@@ -74,7 +72,7 @@ fn locate(mesh: &Mesh, x: [f64; 2]) -> Option<(usize, [f64; 3])> {
         if (0..2).any(|d| x[d] < low[d] - 1e-12 || x[d] > high[d] + 1e-12) {
             return None;
         }
-        let triangle = Triangle::new(corners);
+        let triangle = Simplex::new(corners);
         let shape = [0, 1, 2].map(|k| {
             let g = triangle.gradient[k];
             let other = corners[(k + 1) % 3];

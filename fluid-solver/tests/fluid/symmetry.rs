@@ -1,18 +1,22 @@
 //! How far from symmetric the matrix of creeping flow is, rows of continuity turned in sign.
 
-use fluid_solver::assembly::System;
-use fluid_solver::boundary::{Condition, Constraints, resolve_names};
+use fluid_solver::boundary::condition::resolve_names;
+use fluid_solver::boundary::{Condition, Constraints};
+use fluid_solver::equations::assembly::Assembly;
+use fluid_solver::equations::{Carrier, Coefficients, ViscousForm};
+use fluid_solver::linear::System;
 use fluid_solver::mesh::Mesh;
-use fluid_solver::point::{Carrier, Coefficients, ViscousForm};
-use fluid_solver::rectangle::Rectangle;
-use fluid_solver::state::{Flow, Solid, SolidFields};
+use fluid_solver::mesh::Rectangle;
+use fluid_solver::solid::{Solid, SolidFields};
+use fluid_solver::state::Flow;
+use space::Vector;
 
 use crate::support::Random;
 
 /// ‖S − Sᵀ‖/‖S‖ (Frobenius) of the nodally scaled matrix: all of it, its u,u block, and u,p with p,u.
-fn asymmetry(mesh: &Mesh, solid: &Solid, rate: f64) -> [f64; 3] {
+fn asymmetry(mesh: &Mesh<2, 3>, solid: &Solid<2>, rate: f64) -> [f64; 3] {
     let flow = Flow {
-        superficial_velocity: vec![[0.0; 2]; mesh.node_count()],
+        superficial_velocity: vec![Vector::zeros(); mesh.node_count()],
         porosity: solid.matrix.porosity.clone(),
     };
     let carriers = [Carrier {
@@ -23,7 +27,7 @@ fn asymmetry(mesh: &Mesh, solid: &Solid, rate: f64) -> [f64; 3] {
     let terms = Coefficients {
         density: 1.0,
         dynamic_viscosity: 1.0,
-        gravity: [0.0; 2],
+        gravity: Vector::zeros(),
         viscous_form: ViscousForm::Symmetric,
         grad_div: 1.0,
         rate,
@@ -37,10 +41,16 @@ fn asymmetry(mesh: &Mesh, solid: &Solid, rate: f64) -> [f64; 3] {
         .into_iter()
         .collect();
     let conditions = resolve_names(&conditions, &mesh.boundary_names).unwrap();
-    let constraints = Constraints::new(mesh, conditions, 1.0, [0.0; 2]).unwrap();
-    let mut system = System::new(mesh);
+    let constraints = Constraints::new(mesh, conditions, 1.0, &Vector::zeros()).unwrap();
+    let mut system = System::new(mesh.node_count(), &mesh.simplices);
     let flux = vec![0.0; mesh.node_count()];
-    system.assemble(&terms, mesh, &constraints, &flux, true);
+    let assembly = Assembly {
+        terms: &terms,
+        mesh,
+        constraints: &constraints,
+        flux: &flux,
+    };
+    assembly.fill(&mut system, true);
     let count = system.pattern.unknowns();
     let mut dense = vec![0.0; count * count];
     system

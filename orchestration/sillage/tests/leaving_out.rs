@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::background::{Run, report, root};
 
-/// Part of the answer that leaving convection out may change (fluid-solver/src/creeping.rs).
+/// Part of the answer that leaving convection out may change (fluid-solver/src/equations/creeping.rs).
 const BOUND: f64 = 1e-3;
 
 /// What makes a scene small: coarse meshes, fewer grains, some steps.

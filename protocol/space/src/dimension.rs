@@ -18,6 +18,15 @@ pub type Tangent<const D: usize> = <Dim<D> as Dimension<D>>::Tangent;
 ///
 /// Normals are of unit length.
 pub trait Dimension<const D: usize>: Copy + Default + Send + Sync + 'static {
+    /// What a simplex is called.
+    const SIMPLEX: &'static str;
+    /// What a side of it is called.
+    const FACET: &'static str;
+    /// What its size is called.
+    const MEASURE: &'static str;
+    /// Unit of that.
+    const UNIT: &'static str;
+
     /// See [`Spin`].
     type Spin: Linear;
 
@@ -33,6 +42,10 @@ pub trait Dimension<const D: usize>: Copy + Default + Send + Sync + 'static {
     /// A vector normal to a facet with these corners, outward where the D corners are those of a
     /// right-handed simplex without its first; (D − 1)! times as long as the facet is large.
     fn facet_normal(corners: &[Vector<D>; D]) -> Vector<D>;
+
+    /// Orthonormal directions, right-handed, the first of them this unit vector; in the plane the
+    /// second is its left normal.
+    fn frame(normal: &Vector<D>) -> [Vector<D>; D];
 
     /// The opposite of [`facet_normal`](Dimension::facet_normal): to the left of a → b in the plane.
     fn inward_normal(corners: &[Vector<D>; D]) -> Vector<D>;
@@ -57,6 +70,10 @@ pub trait Dimension<const D: usize>: Copy + Default + Send + Sync + 'static {
 }
 
 impl Dimension<2> for Dim<2> {
+    const SIMPLEX: &'static str = "triangle";
+    const FACET: &'static str = "edge";
+    const MEASURE: &'static str = "area";
+    const UNIT: &'static str = "m²";
     type Spin = f64;
     type Tangent = f64;
     const FACET_EDGES: &'static [[usize; 2]] = &[];
@@ -64,6 +81,11 @@ impl Dimension<2> for Dim<2> {
     #[inline(always)]
     fn determinant([a, b]: &[Vector<2>; 2]) -> f64 {
         a[0] * b[1] - b[0] * a[1]
+    }
+
+    #[inline(always)]
+    fn frame(normal: &Vector<2>) -> [Vector<2>; 2] {
+        [*normal, Vector::from([-normal[1], normal[0]])]
     }
 
     #[inline(always)]
@@ -111,6 +133,10 @@ impl Dimension<2> for Dim<2> {
 }
 
 impl Dimension<3> for Dim<3> {
+    const SIMPLEX: &'static str = "tetrahedron";
+    const FACET: &'static str = "face";
+    const MEASURE: &'static str = "volume";
+    const UNIT: &'static str = "m³";
     type Spin = Vector<3>;
     type Tangent = Vector<3>;
     const FACET_EDGES: &'static [[usize; 2]] = &[[0, 1], [1, 2], [2, 0]];
@@ -118,6 +144,16 @@ impl Dimension<3> for Dim<3> {
     #[inline(always)]
     fn determinant([a, b, c]: &[Vector<3>; 3]) -> f64 {
         a.dot(&b.cross(c))
+    }
+
+    /// After Duff et al. (2017): no branch but a sign.
+    #[inline(always)]
+    fn frame(normal: &Vector<3>) -> [Vector<3>; 3] {
+        let (x, y, z) = (normal[0], normal[1], normal[2]);
+        let sign = 1f64.copysign(z);
+        let (a, b) = (-1.0 / (sign + z), -x * y / (sign + z));
+        let first = Vector::from([1.0 + sign * x * x * a, sign * b, -sign * x]);
+        [*normal, first, Vector::from([b, sign + y * y * a, -y])]
     }
 
     #[inline(always)]

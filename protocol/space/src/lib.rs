@@ -7,6 +7,7 @@
 //! * [`linear`]: numbers or vectors that add, scale and have a length
 //! * [`dimension`]: what cannot be written for every `D` at once
 //! * [`simplex`]: the one geometry of triangles and tetrahedra
+//! * [`quadrature`]: rules on segments, triangles and tetrahedra
 //! * [`periodic`]: images across periodic sides
 //! * [`grid`]: the one cell grid: pairs of bodies within reach of each other
 //! * [`flat`]: vectors as the flat numbers that cross a process boundary, without a copy
@@ -18,6 +19,7 @@ pub mod grid;
 mod grid_tests;
 pub mod linear;
 pub mod periodic;
+pub mod quadrature;
 pub mod simplex;
 #[cfg(test)]
 mod simplex_tests;

@@ -4,9 +4,9 @@
 use std::process::ExitCode;
 
 use fluid_solver::config::{Nonlinear, TimeScheme};
+use fluid_solver::equations::manufactured::suspension;
 use fluid_solver::error::FluidError;
-use fluid_solver::manufactured::suspension;
-use fluid_solver::rectangle::Rectangle;
+use fluid_solver::mesh::Rectangle;
 use fluid_solver::step::FluidSolver;
 use serde_json::{Value, json};
 use tests::arguments::Arguments;

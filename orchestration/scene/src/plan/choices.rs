@@ -15,7 +15,7 @@ use space::grid::SPARE;
 use super::cost::Cost;
 use crate::scene::Scene;
 
-/// Reynolds number below which the built-in fluid leaves convection out (fluid-solver/src/creeping.rs).
+/// Reynolds number below which the built-in fluid leaves convection out (fluid-solver/src/equations/creeping.rs).
 pub const CREEPING_REYNOLDS: f64 = 1e-3;
 
 /// Why nothing of the particle engine is needed.

@@ -1,12 +1,16 @@
 //! Nested dissection of the mesh: in which order nodes are eliminated, and in which groups.
 //!
-//! A set of nodes is cut across its longer side; the nodes of one half that touch the other half
+//! A set of nodes is cut across its longest side; the nodes of one half that touch the other half
 //! are its separator and are eliminated last. Each separator, and each piece too small to cut, is
 //! a *front*: its nodes are eliminated together. After George (1973). Among cuts near the middle
 //! the one with the smallest separator is taken; ties fall to the first, so the order is the same
 //! every time.
 
-use crate::assembly::Pattern;
+use std::cmp::Ordering;
+
+use space::Vector;
+
+use super::pattern::Pattern;
 
 /// Pieces of at most this many nodes are not cut.
 const PIECE: usize = 16;
@@ -27,7 +31,10 @@ pub struct Front {
 }
 
 /// The fronts, children before parents.
-pub fn fronts(pattern: &Pattern, position: &[[f64; 2]]) -> Vec<Front> {
+pub fn fronts<const D: usize, const N: usize>(
+    pattern: &Pattern<N>,
+    position: &[Vector<D>],
+) -> Vec<Front> {
     let mut cutter = Cutter {
         pattern,
         position,
@@ -41,16 +48,16 @@ pub fn fronts(pattern: &Pattern, position: &[[f64; 2]]) -> Vec<Front> {
     fronts
 }
 
-struct Cutter<'a> {
-    pattern: &'a Pattern,
-    position: &'a [[f64; 2]],
+struct Cutter<'a, const D: usize, const N: usize> {
+    pattern: &'a Pattern<N>,
+    position: &'a [Vector<D>],
     /// Mark of a node that lies in the upper part of the present cut.
     side: Vec<u32>,
     stamp: u32,
     fronts: Vec<Front>,
 }
 
-impl Cutter<'_> {
+impl<const D: usize, const N: usize> Cutter<'_, D, N> {
     /// Append the fronts of a set of nodes; returns the last of them.
     fn cut(&mut self, mut nodes: Vec<usize>) -> usize {
         let first = self.fronts.len();
@@ -80,19 +87,27 @@ impl Cutter<'_> {
         self.fronts.len() - 1
     }
 
-    /// Sort along the longer side.
+    /// Sort along the longest side.
     fn sort(&self, nodes: &mut [usize]) {
         let extent = |d: usize| {
             let values = || nodes.iter().map(|&n| self.position[n][d]);
             values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
         };
-        let along = usize::from(extent(1) > extent(0));
+        let longer = |along, axis| {
+            if extent(axis) > extent(along) {
+                axis
+            } else {
+                along
+            }
+        };
+        let along = (1..D).fold(0, longer);
         nodes.sort_unstable_by(|&a, &b| {
-            let (p, q) = (self.position[a], self.position[b]);
-            let order = p[along].total_cmp(&q[along]);
-            order
-                .then(p[1 - along].total_cmp(&q[1 - along]))
-                .then(a.cmp(&b))
+            let (p, q) = (&self.position[a], &self.position[b]);
+            let axes = (0..D).map(|k| (along + k) % D);
+            let order = axes.fold(Ordering::Equal, |order, axis| {
+                order.then_with(|| p[axis].total_cmp(&q[axis]))
+            });
+            order.then(a.cmp(&b))
         });
     }
 
@@ -128,7 +143,7 @@ impl Cutter<'_> {
 }
 
 /// Boundary of a front: later nodes that its pivots or its children's boundaries touch.
-fn find_boundaries(pattern: &Pattern, fronts: &mut [Front]) {
+fn find_boundaries<const N: usize>(pattern: &Pattern<N>, fronts: &mut [Front]) {
     let rank = ranks(fronts);
     for k in 0..fronts.len() {
         let last = fronts[k]
@@ -169,7 +184,7 @@ pub fn ranks(fronts: &[Front]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rectangle::Rectangle;
+    use crate::mesh::rectangle::Rectangle;
 
     #[test]
     fn every_node_is_eliminated_once_and_only_ancestors_are_touched() {
@@ -177,7 +192,7 @@ mod tests {
             let mut rectangle = Rectangle::new([0.0; 2], [1.0, 3.0], [20, 60]);
             rectangle.periodic = [periodic; 2];
             let mesh = rectangle.mesh().unwrap();
-            let pattern = Pattern::new(&mesh);
+            let pattern = Pattern::new(mesh.node_count(), &mesh.simplices);
             let fronts = fronts(&pattern, &mesh.position);
             let mut all: Vec<_> = fronts.iter().flat_map(|f| f.pivots.clone()).collect();
             all.sort_unstable();

@@ -1,4 +1,4 @@
-//! Multifrontal LU on the fronts of a nested dissection, three unknowns a node.
+//! Multifrontal LU on the fronts of a nested dissection, N unknowns a node.
 //!
 //! ```text
 //!   front   ⎡F11 F12⎤   pivots       F11 = Pᵀ L11 U11      partial pivoting inside the front
@@ -19,22 +19,22 @@ use faer::linalg::triangular_solve::{
 };
 use faer::{Accum, MatMut, MatRef, Par};
 
-use crate::assembly::Pattern;
-use crate::dissection::{self, Front};
+use space::Vector;
 
-/// Unknowns a node.
-const B: usize = 3;
+use super::dissection::{self, Front};
+use super::pattern::Pattern;
+
 /// Subtrees with fewer fronts are not worth another thread.
 const FRONTS_SHARED: usize = 16;
 
 /// Structure and numbers of the factor.
-pub struct Multifrontal {
-    plans: Vec<Plan>,
+pub struct Multifrontal<const N: usize> {
+    plans: Vec<Plan<N>>,
     factors: Vec<Factor>,
 }
 
 /// What a front is made of.
-struct Plan {
+struct Plan<const N: usize> {
     front: Front,
     /// Blocks of the matrix that are assembled here.
     blocks: Vec<Block>,
@@ -42,7 +42,7 @@ struct Plan {
     maps: Vec<Vec<u32>>,
 }
 
-/// A 3×3 block of the matrix: where it is, and the local nodes of its row and column.
+/// An N×N block of the matrix: where it is, and the local nodes of its row and column.
 #[derive(Clone, Copy)]
 struct Block {
     source: u32,
@@ -64,13 +64,13 @@ struct Factor {
     exchange: Vec<u32>,
 }
 
-impl Multifrontal {
+impl<const N: usize> Multifrontal<N> {
     /// Analyse a pattern on nodes with these positions.
-    pub fn new(pattern: &Pattern, position: &[[f64; 2]]) -> Multifrontal {
+    pub fn new<const D: usize>(pattern: &Pattern<N>, position: &[Vector<D>]) -> Self {
         let fronts = dissection::fronts(pattern, position);
         let blocks = share_blocks(pattern, &fronts);
         let mut local = vec![u32::MAX; position.len()];
-        let mut plans: Vec<Plan> = Vec::with_capacity(fronts.len());
+        let mut plans: Vec<Plan<N>> = Vec::with_capacity(fronts.len());
         for (front, mut blocks) in fronts.into_iter().zip(blocks) {
             for (k, &node) in front.pivots.iter().chain(&front.boundary).enumerate() {
                 local[node] = k as u32;
@@ -128,7 +128,7 @@ impl Multifrontal {
 }
 
 /// Blocks by the front that eliminates the earlier of their two nodes; nodes are still global.
-fn share_blocks(pattern: &Pattern, fronts: &[Front]) -> Vec<Vec<Block>> {
+fn share_blocks<const N: usize>(pattern: &Pattern<N>, fronts: &[Front]) -> Vec<Vec<Block>> {
     let rank = dissection::ranks(fronts);
     let mut of_node = vec![0; rank.len()];
     for (k, front) in fronts.iter().enumerate() {
@@ -144,8 +144,8 @@ fn share_blocks(pattern: &Pattern, fronts: &[Front]) -> Vec<Vec<Block>> {
                 column
             };
             blocks[of_node[earlier]].push(Block {
-                source: (9 * pattern.start[column] + B * k) as u32,
-                stride: (B * rows.len()) as u32,
+                source: (N * N * pattern.start[column] + N * k) as u32,
+                stride: (N * rows.len()) as u32,
                 row: row as u32,
                 column: column as u32,
             });
@@ -162,8 +162,8 @@ struct Workspace {
 }
 
 /// Factorise the fronts of a range that ends a subtree; `base` is the number of the first.
-fn factor_range(
-    plans: &[Plan],
+fn factor_range<const N: usize>(
+    plans: &[Plan<N>],
     factors: &mut [Factor],
     base: usize,
     values: &[f64],
@@ -204,8 +204,8 @@ fn factor_range(
 }
 
 /// Assemble and eliminate the last front of `factors`.
-fn factor_front(
-    plan: &Plan,
+fn factor_front<const N: usize>(
+    plan: &Plan<N>,
     factors: &mut [Factor],
     base: usize,
     values: &[f64],
@@ -267,22 +267,22 @@ fn eliminate(factor: &mut Factor, p: usize, b: usize, column: &mut Vec<f64>) {
     matmul(rest, Accum::Add, below, top, -1.0, Par::Seq);
 }
 
-impl Plan {
+impl<const N: usize> Plan<N> {
     /// Unknowns eliminated here and left to the boundary.
     fn sizes(&self) -> (usize, usize) {
-        (B * self.front.pivots.len(), B * self.front.boundary.len())
+        (N * self.front.pivots.len(), N * self.front.boundary.len())
     }
 
     /// Add the blocks of the matrix.
     fn assemble(&self, factor: &mut Factor, values: &[f64]) {
         let (p, b) = self.sizes();
         for block in &self.blocks {
-            let row = B * block.row as usize;
-            for f in 0..B {
+            let row = N * block.row as usize;
+            for f in 0..N {
                 let source = block.source as usize + f * block.stride as usize;
-                let column = B * block.column as usize + f;
+                let column = N * block.column as usize + f;
                 let target = target_column(factor, (p, b), column, row);
-                target[..B].copy_from_slice(&values[source..source + B]);
+                target[..N].copy_from_slice(&values[source..source + N]);
             }
         }
     }
@@ -293,20 +293,20 @@ impl Plan {
         if map.is_empty() {
             return;
         }
-        for (index, values) in rest.chunks_exact(B * map.len()).enumerate() {
-            let column = B * map[index / B] as usize + index % B;
+        for (index, values) in rest.chunks_exact(N * map.len()).enumerate() {
+            let column = N * map[index / N] as usize + index % N;
             // Local nodes of a child's boundary ascend: first pivots of this front, then its rest.
-            let split = map.partition_point(|&node| B * (node as usize) < p);
+            let split = map.partition_point(|&node| N * (node as usize) < p);
             for (part, nodes) in [(0, &map[..split]), (split, &map[split..])] {
                 let Some(&first) = nodes.first() else {
                     continue;
                 };
-                let begin = B * first as usize;
+                let begin = N * first as usize;
                 let target = target_column(factor, (p, b), column, begin);
                 for (k, &node) in nodes.iter().enumerate() {
-                    let at = B * node as usize - begin;
-                    let from = B * (part + k);
-                    for d in 0..B {
+                    let at = N * node as usize - begin;
+                    let from = N * (part + k);
+                    for d in 0..N {
                         target[at + d] += values[from + d];
                     }
                 }
@@ -320,7 +320,7 @@ impl Plan {
         local.clear();
         local.extend(factor.exchange.iter().map(|&row| {
             let row = row as usize;
-            x[B * self.front.pivots[row / B] + row % B]
+            x[N * self.front.pivots[row / N] + row % N]
         }));
         local.resize(p + b, 0.0);
         for (k, column) in factor.left.chunks_exact(p + b).enumerate() {
@@ -329,11 +329,11 @@ impl Plan {
                 *target -= entry * value;
             }
         }
-        let nodes = self.front.pivots.iter().zip(local[..p].chunks_exact(B));
-        nodes.for_each(|(&node, values)| x[B * node..B * node + B].copy_from_slice(values));
-        for (&node, values) in self.front.boundary.iter().zip(local[p..].chunks_exact(B)) {
+        let nodes = self.front.pivots.iter().zip(local[..p].chunks_exact(N));
+        nodes.for_each(|(&node, values)| x[N * node..N * node + N].copy_from_slice(values));
+        for (&node, values) in self.front.boundary.iter().zip(local[p..].chunks_exact(N)) {
             for (d, value) in values.iter().enumerate() {
-                x[B * node + d] += value;
+                x[N * node + d] += value;
             }
         }
     }
@@ -343,10 +343,10 @@ impl Plan {
         let (p, b) = self.sizes();
         local.clear();
         for &node in &self.front.pivots {
-            local.extend_from_slice(&x[B * node..B * node + B]);
+            local.extend_from_slice(&x[N * node..N * node + N]);
         }
         for (k, column) in factor.top.chunks_exact(p).enumerate() {
-            let value = x[B * self.front.boundary[k / B] + k % B];
+            let value = x[N * self.front.boundary[k / N] + k % N];
             for (target, entry) in local.iter_mut().zip(column) {
                 *target -= entry * value;
             }
@@ -358,8 +358,8 @@ impl Plan {
                 *target -= entry * value;
             }
         }
-        for (&node, values) in self.front.pivots.iter().zip(local.chunks_exact(B)) {
-            x[B * node..B * node + B].copy_from_slice(values);
+        for (&node, values) in self.front.pivots.iter().zip(local.chunks_exact(N)) {
+            x[N * node..N * node + N].copy_from_slice(values);
         }
     }
 }

@@ -11,33 +11,39 @@
 //! Q_n is the mixture's flux out of the domain: 0 at walls whatever the solid flux carries there,
 //! u·n where the velocity is given, unknown where the pressure is (rows replaced).
 
-use crate::momentum::{Matrix, Vector, dot};
-use crate::point::Point;
+use space::dot;
+use space::vector::from_fn;
+
+use super::momentum::{Matrix, RightSide};
+use super::point::Point;
 
 /// Add (C1) and (C2).
 #[inline]
-pub fn add_matrix(at: &Point, matrix: &mut Matrix) {
+pub fn add_matrix<const D: usize, const N: usize>(at: &Point<D, N>, matrix: &mut Matrix<N>) {
     let relaxed = at.tau * at.mixture;
     let spread = relaxed * at.mixture + at.mobility;
-    for i in 0..3 {
-        let row = &mut matrix[3 * i + 2];
-        let g = at.gradient[i];
-        for j in 0..3 {
-            for f in 0..2 {
-                let strong = g[0] * at.strong[j][0][f] + g[1] * at.strong[j][1][f];
-                row[3 * j + f] += at.weight * (relaxed * strong - g[f] * at.flux[j]); // (C1)
+    for i in 0..N {
+        let g = &at.gradient[i];
+        for j in 0..N {
+            let row = &mut matrix[i][j][D];
+            for f in 0..D {
+                let mut strong = g[0] * at.strong[j][0][f];
+                for d in 1..D {
+                    strong += g[d] * at.strong[j][d][f];
+                }
+                row[f] += at.weight * (relaxed * strong - g[f] * at.flux[j]); // (C1)
             }
-            row[3 * j + 2] += at.weight * spread * dot(g, at.gradient[j]); // (C2)
+            row[D] += at.weight * spread * dot(g, &at.gradient[j]); // (C2)
         }
     }
 }
 
 /// Add (C3) without its boundary part.
 #[inline]
-pub fn add_right_side(at: &Point, right: &mut Vector) {
+pub fn add_right_side<const D: usize, const N: usize>(at: &Point<D, N>, right: &mut RightSide<N>) {
     let relaxed = at.tau * at.mixture;
-    let carried = [0, 1].map(|d| at.solid_flux[d] + relaxed * at.force[d]);
-    for i in 0..3 {
-        right[3 * i + 2] += at.weight * dot(at.gradient[i], carried); // (C3)
+    let carried = from_fn(|d| at.solid_flux[d] + relaxed * at.force[d]);
+    for i in 0..N {
+        right[i][D] += at.weight * dot(&at.gradient[i], &carried); // (C3)
     }
 }

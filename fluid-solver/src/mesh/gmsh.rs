@@ -7,15 +7,17 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use space::Vector;
+
+use super::simplices::Mesh;
 use crate::error::FluidError;
-use crate::mesh::Mesh;
 
 const LINE: i64 = 1;
 const TRIANGLE: i64 = 2;
 const POINT: i64 = 15;
 
 /// Read a mesh.
-pub fn read(path: &Path) -> Result<Mesh, FluidError> {
+pub fn read(path: &Path) -> Result<Mesh<2, 3>, FluidError> {
     let bytes = std::fs::read(path).map_err(|source| FluidError::MeshFile {
         path: path.to_path_buf(),
         source,
@@ -25,7 +27,7 @@ pub fn read(path: &Path) -> Result<Mesh, FluidError> {
 }
 
 /// Read a mesh from the text of a file; `path` is for messages.
-pub fn parse(path: &Path, text: &str) -> Result<Mesh, FluidError> {
+pub fn parse(path: &Path, text: &str) -> Result<Mesh<2, 3>, FluidError> {
     let mut reader = Reader {
         path,
         lines: text.lines(),
@@ -128,7 +130,7 @@ struct Parts {
     /// Curve tag → physical tags.
     curves: BTreeMap<i64, Vec<i64>>,
     /// Node tag → position.
-    nodes: BTreeMap<i64, [f64; 2]>,
+    nodes: BTreeMap<i64, Vector<2>>,
     /// (element tag, node tags).
     triangles: Vec<(usize, [i64; 3])>,
     /// (node tags, curve tag).
@@ -192,7 +194,7 @@ impl Parts {
                         x[2]
                     )));
                 }
-                if self.nodes.insert(tag, [x[0], x[1]]).is_some() {
+                if self.nodes.insert(tag, Vector::from([x[0], x[1]])).is_some() {
                     return Err(reader.error(format!("node {tag} appears twice")));
                 }
             }
@@ -249,7 +251,7 @@ impl Parts {
     }
 
     /// Nodes of triangles, numbered in the order of their tags; edges by physical name.
-    fn mesh(self, reader: &Reader<'_>) -> Result<Mesh, FluidError> {
+    fn mesh(self, reader: &Reader<'_>) -> Result<Mesh<2, 3>, FluidError> {
         if self.triangles.is_empty() {
             return Err(reader.error("no triangles; does a physical surface cover the domain?"));
         }
@@ -285,7 +287,7 @@ impl Parts {
                         "an edge of curve {curve} ({name:?}) touches no triangle"
                     )));
                 };
-                named.push((a, b, names.partition_point(|known| known < name)));
+                named.push(([a, b], names.partition_point(|known| known < name)));
             }
         }
         let tags: Vec<usize> = self.triangles.iter().map(|(tag, _)| *tag).collect();

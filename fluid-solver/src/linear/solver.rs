@@ -2,7 +2,7 @@
 //! refinement always.
 //!
 //! ```text
-//!   s_u = (½(|K_xx| + |K_yy|))^(−1/2),  s_p = |K_pp|^(−1/2)      symmetric nodal scaling
+//!   s_u = (mean of |K_dd|)^(−1/2),      s_p = |K_pp|^(−1/2)      symmetric nodal scaling
 //!   ω   = max_i |r − Kx|_i / (|K||x| + |r|)_i                    componentwise backward error
 //! ```
 //!
@@ -11,10 +11,13 @@
 //! (1989) is taken. Where refinement with the multifrontal factor does not reach the bound, the
 //! matrix is factorised once more with row exchanges anywhere.
 
-use crate::assembly::{Pattern, System};
+use space::Vector;
+
+use super::multifrontal::Multifrontal;
+use super::pattern::Pattern;
+use super::pivoting::PivotingLu;
+use super::system::System;
 use crate::error::FluidError;
-use crate::multifrontal::Multifrontal;
-use crate::pivoting::PivotingLu;
 
 /// Backward error that a solution must reach.
 pub const BACKWARD_ERROR_MAX: f64 = 1e-10;
@@ -38,8 +41,8 @@ pub struct Solution {
 }
 
 /// The factorised matrix of a mesh.
-pub struct LinearSolver {
-    fast: Multifrontal,
+pub struct LinearSolver<const N: usize> {
+    fast: Multifrontal<N>,
     /// Made when first needed.
     safe: Option<PivotingLu>,
     /// Does the safe factor hold the present matrix?
@@ -49,9 +52,13 @@ pub struct LinearSolver {
     scaled: Vec<f64>,
 }
 
-impl LinearSolver {
+impl<const N: usize> LinearSolver<N> {
     /// Analyse a pattern on nodes with these positions; `fixed` unknowns are eliminated.
-    pub fn new(pattern: &Pattern, position: &[[f64; 2]], fixed: Vec<bool>) -> LinearSolver {
+    pub fn new<const D: usize>(
+        pattern: &Pattern<N>,
+        position: &[Vector<D>],
+        fixed: Vec<bool>,
+    ) -> LinearSolver<N> {
         LinearSolver {
             fast: Multifrontal::new(pattern, position),
             safe: None,
@@ -63,7 +70,7 @@ impl LinearSolver {
     }
 
     /// Factorise the matrix of a system.
-    pub fn factorise(&mut self, system: &System) {
+    pub fn factorise(&mut self, system: &System<N>) {
         self.scale_of(system);
         let (scale, fixed) = (&self.scale, &self.fixed);
         let mut slot = self.scaled.iter_mut();
@@ -82,7 +89,7 @@ impl LinearSolver {
     }
 
     /// Factorise the same matrix with row exchanges anywhere.
-    fn factorise_safely(&mut self, pattern: &Pattern) -> Result<(), FluidError> {
+    fn factorise_safely(&mut self, pattern: &Pattern<N>) -> Result<(), FluidError> {
         tracing::info!("the multifrontal factor is not accurate enough: pivoting");
         let mut safe = match self.safe.take() {
             Some(safe) => safe,
@@ -94,7 +101,7 @@ impl LinearSolver {
         Ok(())
     }
 
-    fn scale_of(&mut self, system: &System) {
+    fn scale_of(&mut self, system: &System<N>) {
         let mut diagonal = vec![0.0; self.scale.len()];
         system
             .pattern
@@ -110,15 +117,18 @@ impl LinearSolver {
                 1.0
             }
         };
-        for (scale, d) in self.scale.chunks_exact_mut(3).zip(diagonal.chunks_exact(3)) {
-            let velocity = root(0.5 * (d[0] + d[1]));
-            scale.copy_from_slice(&[velocity, velocity, root(d[2])]);
+        let nodes = self.scale.chunks_exact_mut(N);
+        for (scale, diagonal) in nodes.zip(diagonal.chunks_exact(N)) {
+            let (velocity, pressure) = diagonal.split_at(N - 1);
+            let sum = velocity.iter().fold(0.0, |sum, value| sum + value);
+            scale.fill(root(sum / velocity.len() as f64));
+            scale[N - 1] = root(pressure[0]);
         }
     }
 
     /// Solve with the last factor; `given` holds the fixed unknowns. Which of the two factors is taken
     /// depends on this right-hand side alone, not on those before it.
-    pub fn solve(&mut self, system: &System, given: &[f64]) -> Result<Solution, FluidError> {
+    pub fn solve(&mut self, system: &System<N>, given: &[f64]) -> Result<Solution, FluidError> {
         let mut solution = self.refine(system, given, false);
         let good = |solution: &Solution| solution.backward_error < BACKWARD_ERROR_MAX;
         if !good(&solution) {
@@ -138,7 +148,7 @@ impl LinearSolver {
     }
 
     /// Solve and refine with the fast or, `pivoted`, the safe factor.
-    fn refine(&mut self, system: &System, given: &[f64], pivoted: bool) -> Solution {
+    fn refine(&mut self, system: &System<N>, given: &[f64], pivoted: bool) -> Solution {
         let known = given.iter().zip(&self.fixed);
         let mut x: Vec<f64> = known
             .map(|(&v, &fixed)| if fixed { v } else { 0.0 })
@@ -175,7 +185,7 @@ impl LinearSolver {
     }
 
     /// ‖S(r − Kx)‖ / ‖S|K||x|‖ over the free unknowns.
-    pub fn residual(&mut self, system: &System, x: &[f64]) -> f64 {
+    pub fn residual(&mut self, system: &System<N>, x: &[f64]) -> f64 {
         self.scale_of(system);
         let mut residual = system.right.clone();
         let mut size = vec![0.0; x.len()];
@@ -200,7 +210,7 @@ impl LinearSolver {
     }
 
     /// x ← x + S (LU)⁻¹ S (r − K x) on the free unknowns.
-    fn correct(&mut self, system: &System, x: &mut [f64], pivoted: bool) {
+    fn correct(&mut self, system: &System<N>, x: &mut [f64], pivoted: bool) {
         let mut residual = system.right.clone();
         system
             .pattern
@@ -224,7 +234,7 @@ impl LinearSolver {
     }
 
     /// ω of the free rows.
-    fn backward_error(&self, system: &System, x: &[f64]) -> f64 {
+    fn backward_error(&self, system: &System<N>, x: &[f64]) -> f64 {
         let n = x.len();
         let mut residual = system.right.clone();
         let mut size: Vec<f64> = system.right.iter().map(|value| value.abs()).collect();
@@ -265,14 +275,14 @@ impl LinearSolver {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rectangle::Rectangle;
+    use crate::mesh::rectangle::Rectangle;
 
     #[test]
     fn both_factors_give_the_same_solution() {
         let mut rectangle = Rectangle::new([0.0; 2], [1.0; 2], [14, 9]);
         rectangle.periodic = [true, false];
         let mesh = rectangle.mesh().unwrap();
-        let mut system = System::new(&mesh);
+        let mut system = System::new(mesh.node_count(), &mesh.simplices);
         // Any matrix with a strong diagonal, and a given unknown among the others.
         let mut state = 1u32;
         let mut random = || {

@@ -17,16 +17,16 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
+use space::simplex::interpolate;
+use space::vector::from_fn;
+use space::{Dim, Dimension, Vector, dot};
 
-use crate::element::interpolate;
-use crate::mesh::Mesh;
-use crate::momentum::dot;
+use super::element::components;
+use crate::mesh::simplices::Mesh;
 use crate::state::Flow;
 
-/// Triangles of a partial sum.
+/// Simplices of a partial sum.
 const PIECE: usize = 1024;
-/// Shape functions at the centre of a triangle.
-const CENTRE: [f64; 3] = [1.0 / 3.0; 3];
 
 /// What (R1) needs besides the flow.
 #[derive(Debug, Clone, Copy)]
@@ -41,7 +41,11 @@ pub struct Creeping {
 
 impl Creeping {
     /// For a fluid on a mesh.
-    pub fn new(density: f64, viscosity: f64, mesh: &Mesh) -> Creeping {
+    pub fn new<const D: usize, const N: usize>(
+        density: f64,
+        viscosity: f64,
+        mesh: &Mesh<D, N>,
+    ) -> Creeping {
         Creeping {
             density,
             viscosity,
@@ -50,9 +54,12 @@ impl Creeping {
     }
 
     /// Re of (R1); 0 for fluid at rest.
-    pub fn reynolds(&self, flow: &Flow, mesh: &Mesh) -> f64 {
+    pub fn reynolds<const D: usize, const N: usize>(&self, flow: &Flow<D>, mesh: &Mesh<D, N>) -> f64
+    where
+        Dim<D>: Dimension<D>,
+    {
         // Partial sums of fixed pieces: the same bits on any number of threads.
-        let count = mesh.triangles.len();
+        let count = mesh.simplices.len();
         let parts: Vec<[f64; 2]> = (0..count.div_ceil(PIECE))
             .into_par_iter()
             .map(|piece| self.sums(PIECE * piece..count.min(PIECE * (piece + 1)), flow, mesh))
@@ -66,57 +73,72 @@ impl Creeping {
         (convection / viscous).sqrt() / self.wave_number // (R1)
     }
 
-    /// Both integrals of (R1) over some triangles, by the value at their centres.
-    fn sums(&self, triangles: Range<usize>, flow: &Flow, mesh: &Mesh) -> [f64; 2] {
+    /// Both integrals of (R1) over some simplices, by the value at their centres.
+    fn sums<const D: usize, const N: usize>(
+        &self,
+        simplices: Range<usize>,
+        flow: &Flow<D>,
+        mesh: &Mesh<D, N>,
+    ) -> [f64; 2]
+    where
+        Dim<D>: Dimension<D>,
+    {
+        let centre = [1.0 / N as f64; N];
         let mut sums = [0.0; 2];
-        for t in triangles {
-            let (nodes, shape) = (mesh.triangles[t], &mesh.geometry[t]);
+        for t in simplices {
+            let (nodes, simplex) = (mesh.simplices[t], &mesh.geometry[t]);
             let porosity = nodes.map(|n| flow.porosity[n]);
-            let here = interpolate(&CENTRE, &porosity);
-            let slope = shape.gradient_of(&porosity);
-            let u = [0, 1].map(|d| nodes.map(|n| flow.superficial_velocity[n][d]));
-            let v = [0, 1].map(|d| interpolate(&CENTRE, &u[d]) / here);
-            let gradient = [0, 1].map(|d| {
-                let of_u = shape.gradient_of(&u[d]);
-                [0, 1].map(|f| (of_u[f] - v[d] * slope[f]) / here)
+            let here = interpolate(&centre, &porosity);
+            let slope = simplex.gradient_of(&porosity);
+            let u = components(&nodes, &flow.superficial_velocity);
+            let v: Vector<D> = from_fn(|d| interpolate(&centre, &u[d]) / here);
+            let gradient: [Vector<D>; D] = std::array::from_fn(|d| {
+                let of_u = simplex.gradient_of(&u[d]);
+                from_fn(|f| (of_u[f] - v[d] * slope[f]) / here)
             });
-            let carried = gradient.map(|row| dot(v, row)); // v·∇v
-            let shear = gradient[0][1] + gradient[1][0];
-            let strain = 2.0 * (gradient[0][0].powi(2) + gradient[1][1].powi(2)) + shear * shear; // 2|D|²
+            let carried: Vector<D> = from_fn(|d| dot(&v, &gradient[d])); // v·∇v
+            let strain = strain(&gradient);
             let (inertia, viscosity) = (self.density * here, self.viscosity * here);
-            sums[0] += shape.area * inertia * inertia / viscosity * dot(carried, carried);
-            sums[1] += shape.area * viscosity * (strain + self.wave_number.powi(2) * dot(v, v));
+            sums[0] += simplex.volume * inertia * inertia / viscosity * dot(&carried, &carried);
+            sums[1] +=
+                simplex.volume * viscosity * (strain + self.wave_number.powi(2) * dot(&v, &v));
         }
         sums
     }
 }
 
+/// 2|D(v)|²
+fn strain<const D: usize>(gradient: &[Vector<D>; D]) -> f64 {
+    let (mut normal, mut shear) = (0.0, 0.0);
+    for d in 0..D {
+        normal += gradient[d][d].powi(2);
+        for f in d + 1..D {
+            shear += (gradient[d][f] + gradient[f][d]).powi(2);
+        }
+    }
+    2.0 * normal + shear
+}
+
 /// L of (R1) \[m\].
-fn shortest_extent(mesh: &Mesh) -> f64 {
-    let extent = [0, 1].map(|axis| {
+fn shortest_extent<const D: usize, const N: usize>(mesh: &Mesh<D, N>) -> f64 {
+    let extent = |axis: usize| {
         let along = || mesh.corners.iter().flatten().map(|corner| corner[axis]);
         along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-    });
-    let shortest = |axes: [bool; 2]| {
-        let open = extent.iter().zip(axes).filter(|(_, taken)| *taken);
-        open.map(|(length, _)| *length)
-            .fold(f64::INFINITY, f64::min)
     };
-    match mesh.period.map(|period| period.is_none()) {
-        [false, false] => shortest([true, true]),
-        walled => shortest(walled),
-    }
+    let all_periodic = mesh.period.iter().all(Option::is_some);
+    let axes = (0..D).filter(|&axis| all_periodic || mesh.period[axis].is_none());
+    axes.map(extent).fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rectangle::Rectangle;
+    use crate::mesh::rectangle::Rectangle;
 
     /// Flow of velocity v(x) in clear fluid.
-    fn flow(mesh: &Mesh, velocity: impl Fn([f64; 2]) -> [f64; 2]) -> Flow {
+    fn flow(mesh: &Mesh<2, 3>, velocity: impl Fn(Vector<2>) -> [f64; 2]) -> Flow<2> {
         Flow {
-            superficial_velocity: mesh.position.iter().map(|x| velocity(*x)).collect(),
+            superficial_velocity: mesh.position.iter().map(|x| velocity(*x).into()).collect(),
             porosity: vec![1.0; mesh.node_count()],
         }
     }
@@ -128,15 +150,16 @@ mod tests {
             .mesh()
             .unwrap();
         let (density, viscosity, speed) = (2.0, 3.0, 1e-3);
-        let number = |flow: &Flow| Creeping::new(density, viscosity, &mesh).reynolds(flow, &mesh);
+        let number =
+            |flow: &Flow<2>| Creeping::new(density, viscosity, &mesh).reynolds(flow, &mesh);
         // Vortices U (sin kx cos ky, −cos kx sin ky): v·∇v = ½kU² (sin 2kx, sin 2ky), with
         // ∫|v·∇v|² = k²U⁴/4, ∫2|D|² = k²U², ∫k²|v|² = k²U²/2: Re = ρU/(μk) √(1/6).
-        let vortices = flow(&mesh, |[x, y]| {
-            let (x, y) = (pi * x, pi * y);
+        let vortices = flow(&mesh, |at| {
+            let (x, y) = (pi * at.x, pi * at.y);
             [speed * x.sin() * y.cos(), -speed * x.cos() * y.sin()]
         });
         let expected = density * speed / (viscosity * pi) * (1.0_f64 / 6.0).sqrt();
-        let parallel = flow(&mesh, |[_, y]| [speed * y * (1.0 - y), 0.0]);
+        let parallel = flow(&mesh, |at| [speed * at.y * (1.0 - at.y), 0.0]);
         let uniform = flow(&mesh, |_| [speed, 0.5 * speed]);
         println!(
             "vortices {:.4e} ({expected:.4e}), parallel {:.1e}, uniform {:.1e}",

@@ -6,7 +6,7 @@ use faer::sparse::linalg::lu::{LuRef, NumericLu, SymbolicLu, factorize_symbolic_
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par};
 
-use crate::assembly::Pattern;
+use super::pattern::Pattern;
 use crate::error::FluidError;
 
 /// Factor of a matrix with partial pivoting.
@@ -19,7 +19,7 @@ pub struct PivotingLu {
 
 impl PivotingLu {
     /// Analyse a pattern.
-    pub fn new(pattern: &Pattern) -> Result<PivotingLu, FluidError> {
+    pub fn new<const N: usize>(pattern: &Pattern<N>) -> Result<PivotingLu, FluidError> {
         let broken = |error| FluidError::Factorisation(format!("analysis: {error:?}"));
         let (pointers, rows) = pattern.columns();
         let n = pattern.unknowns();

@@ -9,7 +9,7 @@
 //! | ------ | ------- | ---- |
 //! | α/Δt   | weight of the new velocity in the time derivative | 1/s |
 //! | a      | convecting velocity, interstitial | m/s |
-//! | h      | diameter of the disk of the triangle's area | m |
+//! | h      | diameter of the ball (disk) of the size of the simplex | m |
 //! | θ      | `grad_div` factor | – |
 //!
 //! After Codina's algebraic subscales (2000) with the resistance of Badia and Codina (2009): the

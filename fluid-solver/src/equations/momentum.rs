@@ -13,25 +13,29 @@
 //! literal form of the paper has μφ∇X_i·∇X_j + μ∇φ·∇(X_i X_j) instead of the symmetric term: its
 //! −μ v∇²φ is integrated by parts.
 
-use crate::point::Point;
+use space::dot;
 
-/// Element matrix: 3 unknowns (u_x, u_y, p) a node, node by node; rows are equations.
-pub type Matrix = [[f64; 9]; 9];
-/// Element right-hand side.
-pub type Vector = [f64; 9];
+use super::point::Point;
+
+/// What couples two nodes: rows are equations, columns unknowns, (u, p).
+pub type Block<const N: usize> = [[f64; N]; N];
+/// Element matrix: a block for each pair of nodes, rows first.
+pub type Matrix<const N: usize> = [[Block<N>; N]; N];
+/// Element right-hand side, node by node.
+pub type RightSide<const N: usize> = [[f64; N]; N];
 
 /// Add (M1) and (M2).
 #[inline]
-pub fn add_matrix(at: &Point, matrix: &mut Matrix) {
-    for i in 0..3 {
+pub fn add_matrix<const D: usize, const N: usize>(at: &Point<D, N>, matrix: &mut Matrix<N>) {
+    for i in 0..N {
         let weighted = at.test[i] + at.streamline[i];
-        for j in 0..3 {
+        for j in 0..N {
+            let block = &mut matrix[i][j];
             let diffusion = viscous_diagonal(at, i, j);
-            let leak = at.tau_c * dot(at.mobility_gradient, at.gradient[j]);
-            for d in 0..2 {
-                let row = &mut matrix[3 * i + d];
+            let leak = at.tau_c * dot(&at.mobility_gradient, &at.gradient[j]);
+            for d in 0..D {
                 let squeeze = at.tau_c * at.test_divergence[i][d];
-                for f in 0..2 {
+                for f in 0..D {
                     let mut entry = at.streamline[i] * at.strong[j][d][f]
                         + squeeze * at.flux_gradient[j][f]
                         + at.test[i] * at.newton[d][f] * at.test[j];
@@ -41,10 +45,10 @@ pub fn add_matrix(at: &Point, matrix: &mut Matrix) {
                     if d == f {
                         entry += at.test[i] * at.transport[j] + diffusion;
                     }
-                    row[3 * j + f] += at.weight * entry; // (M1)
+                    block[d][f] += at.weight * entry; // (M1)
                 }
                 let push = weighted * at.mixture * at.gradient[j][d];
-                row[3 * j + 2] += at.weight * (push - leak * at.test_divergence[i][d]); // (M2)
+                block[d][D] += at.weight * (push - leak * at.test_divergence[i][d]); // (M2)
             }
         }
     }
@@ -52,25 +56,19 @@ pub fn add_matrix(at: &Point, matrix: &mut Matrix) {
 
 /// Add (M3).
 #[inline]
-pub fn add_right_side(at: &Point, right: &mut Vector) {
-    for i in 0..3 {
+pub fn add_right_side<const D: usize, const N: usize>(at: &Point<D, N>, right: &mut RightSide<N>) {
+    for i in 0..N {
         let weighted = at.test[i] + at.streamline[i];
-        for d in 0..2 {
+        for d in 0..D {
             let squeeze = at.tau_c * at.test_divergence[i][d] * at.solid_divergence;
-            right[3 * i + d] += at.weight * (weighted * at.force[d] - squeeze); // (M3)
+            right[i][d] += at.weight * (weighted * at.force[d] - squeeze); // (M3)
         }
     }
 }
 
 #[inline]
-fn viscous_diagonal(at: &Point, i: usize, j: usize) -> f64 {
-    let (p, q) = (at.test_gradient[i], at.test_gradient[j]);
-    let literal = at.test[i] * dot(at.literal, q) + at.test[j] * dot(at.literal, p);
+fn viscous_diagonal<const D: usize, const N: usize>(at: &Point<D, N>, i: usize, j: usize) -> f64 {
+    let (p, q) = (&at.test_gradient[i], &at.test_gradient[j]);
+    let literal = at.test[i] * dot(&at.literal, q) + at.test[j] * dot(&at.literal, p);
     at.viscosity * dot(p, q) + literal
-}
-
-/// Scalar product.
-#[inline]
-pub fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
 }

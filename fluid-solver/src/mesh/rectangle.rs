@@ -6,8 +6,10 @@
 //!   bottom       a ─ b
 //! ```
 
+use space::Vector;
+
+use super::simplices::Mesh;
 use crate::error::FluidError;
-use crate::mesh::Mesh;
 
 /// How cells are cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,15 +24,15 @@ pub enum Diagonals {
 #[derive(Debug, Clone)]
 pub struct Rectangle {
     /// Lower left corner \[m\].
-    pub lower: [f64; 2],
+    pub lower: Vector<2>,
     /// Upper right corner \[m\].
-    pub upper: [f64; 2],
+    pub upper: Vector<2>,
     /// Cells in x and y.
     pub cells: [usize; 2],
     /// How cells are cut.
     pub diagonals: Diagonals,
     /// Ratio of the largest cell (centre) to the smallest (both ends) in x and y.
-    pub grading: [f64; 2],
+    pub grading: Vector<2>,
     /// Joined left to right, bottom to top.
     pub periodic: [bool; 2],
 }
@@ -40,19 +42,23 @@ pub const SIDES: [&str; 4] = ["left", "right", "bottom", "top"];
 
 impl Rectangle {
     /// Uniform rectangle with alternating diagonals, not periodic.
-    pub fn new(lower: [f64; 2], upper: [f64; 2], cells: [usize; 2]) -> Rectangle {
+    pub fn new(
+        lower: impl Into<Vector<2>>,
+        upper: impl Into<Vector<2>>,
+        cells: [usize; 2],
+    ) -> Rectangle {
         Rectangle {
-            lower,
-            upper,
+            lower: lower.into(),
+            upper: upper.into(),
             cells,
             diagonals: Diagonals::Alternate,
-            grading: [1.0; 2],
+            grading: [1.0; 2].into(),
             periodic: [false; 2],
         }
     }
 
     /// The mesh.
-    pub fn mesh(&self) -> Result<Mesh, FluidError> {
+    pub fn mesh(&self) -> Result<Mesh<2, 3>, FluidError> {
         self.validate()?;
         let [nx, ny] = self.cells;
         let lines = [0, 1].map(|d| self.grid_lines(d));
@@ -62,27 +68,27 @@ impl Rectangle {
         let mut position = Vec::with_capacity(count[0] * count[1]);
         for j in 0..count[1] {
             for i in 0..count[0] {
-                position.push([lines[0][i], lines[1][j]]);
+                position.push(Vector::from([lines[0][i], lines[1][j]]));
             }
         }
-        let mut triangles = Vec::with_capacity(2 * nx * ny);
+        let mut simplices = Vec::with_capacity(2 * nx * ny);
         let mut corners = Vec::with_capacity(2 * nx * ny);
         let mut sides = Vec::new();
         for j in 0..ny {
             for i in 0..nx {
                 for cut in self.cut(i, j) {
                     let at = cut.map(|[di, dj]| [i + di, j + dj]);
-                    self.note_sides(&at, triangles.len(), &mut sides);
-                    triangles.push(at.map(|[i, j]| node(i, j)));
-                    corners.push(at.map(|[i, j]| [lines[0][i], lines[1][j]]));
+                    self.note_sides(&at, simplices.len(), &mut sides);
+                    simplices.push(at.map(|[i, j]| node(i, j)));
+                    corners.push(at.map(|[i, j]| Vector::from([lines[0][i], lines[1][j]])));
                 }
             }
         }
-        let mut mesh = Mesh::without_edges(position, triangles, corners, |t| t)?;
+        let mut mesh = Mesh::without_facets(position, simplices, corners, |t| t)?;
         mesh.boundary_names = SIDES.map(String::from).to_vec();
-        mesh.edges = sides
+        mesh.facets = sides
             .iter()
-            .map(|&(t, k, side)| mesh.edge(t, k, side))
+            .map(|&(t, k, side)| mesh.facet(t, k, side))
             .collect();
         mesh.period = [0, 1].map(|d| self.periodic[d].then(|| self.upper[d] - self.lower[d]));
         Ok(mesh)
@@ -169,16 +175,16 @@ mod tests {
     #[test]
     fn masses_sum_to_the_area_and_normals_point_outward() {
         let mut rectangle = Rectangle::new([-1.0, 0.5], [2.0, 1.5], [7, 5]);
-        rectangle.grading = [4.0, 2.0];
+        rectangle.grading = [4.0, 2.0].into();
         let mesh = rectangle.mesh().unwrap();
         assert!((mesh.nodal_mass.iter().sum::<f64>() - 3.0).abs() < 1e-13);
         let outward = [[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
-        for edge in &mesh.edges {
-            for (normal, exact) in edge.normal.iter().zip(outward[edge.boundary]) {
+        for facet in &mesh.facets {
+            for (normal, exact) in facet.normal.iter().zip(outward[facet.boundary]) {
                 assert!((normal - exact).abs() < 1e-14);
             }
         }
-        assert_eq!(mesh.edges.len(), 24);
+        assert_eq!(mesh.facets.len(), 24);
         let width = |i: usize| mesh.position[i + 1][0] - mesh.position[i][0];
         assert!((width(3) / width(0) - 4.0).abs() < 1e-12);
     }
@@ -188,7 +194,7 @@ mod tests {
         let mut rectangle = Rectangle::new([0.0, 0.0], [0.1, 1.0], [1, 10]);
         rectangle.periodic = [true, false];
         let mesh = rectangle.mesh().unwrap();
-        assert_eq!((mesh.node_count(), mesh.edges.len()), (11, 2));
+        assert_eq!((mesh.node_count(), mesh.facets.len()), (11, 2));
         assert!((mesh.nodal_mass.iter().sum::<f64>() - 0.1).abs() < 1e-15);
         let value: Vec<_> = mesh.position.iter().map(|x| 3.0 * x[1]).collect();
         for gradient in mesh.averaged_gradient(&value) {

@@ -1,0 +1,207 @@
+//! What is known about the unknowns of every node.
+//!
+//! Where boundaries with different conditions meet, the node takes the strongest: no-slip, then
+//! given velocity (the boundary named first in the mesh), then slip. A corner between slip
+//! walls whose normals differ by more than 37° holds all components; on a gentler bend the
+//! size-weighted normal is used. Pressure at an open boundary is given strongly,
+//! p = p₀ + ρ g·(x − x_top). In a domain without an open boundary node 0 has p = 0.
+
+use space::{Dim, Dimension, Vector, hypot};
+
+use super::condition::Condition;
+use super::frame::Frame;
+use super::node::NodeVelocity;
+use super::{inflow, open, slip};
+use crate::error::FluidError;
+use crate::mesh::facets::BoundaryFacet;
+use crate::mesh::simplices::Mesh;
+
+/// Conditions on the unknowns of a mesh.
+#[derive(Debug, Clone)]
+pub struct Constraints<const D: usize> {
+    conditions: Vec<Condition<D>>,
+    velocity: Vec<NodeVelocity<D>>,
+    pressure: Vec<(usize, f64)>,
+    /// Is there no open boundary, so that node 0 has p = 0?
+    pub closed: bool,
+    /// Is the unknown given? The components of u and p, node by node.
+    pub fixed: Vec<bool>,
+    /// Frames of nodes whose velocity unknowns do not follow the axes, by node.
+    pub frames: Vec<Option<Frame<D>>>,
+    /// Facets across which the given velocity carries fluid.
+    pub flux_facets: Vec<BoundaryFacet<D>>,
+    /// Facets of open boundaries.
+    pub open_facets: Vec<BoundaryFacet<D>>,
+}
+
+impl<const D: usize> Constraints<D> {
+    /// Unknowns of a node.
+    const UNKNOWNS: usize = D + 1;
+
+    /// Resolve the conditions, one a boundary of the mesh.
+    pub fn new<const N: usize>(
+        mesh: &Mesh<D, N>,
+        conditions: Vec<Condition<D>>,
+        density: f64,
+        gravity: &Vector<D>,
+    ) -> Result<Constraints<D>, FluidError>
+    where
+        Dim<D>: Dimension<D>,
+    {
+        let mut velocity = strongest(mesh, &conditions)?;
+        slip::find_normals(mesh, &conditions, &mut velocity);
+        inflow::find_factors(mesh, &conditions, &mut velocity)?;
+        let of_kind = |wanted: fn(&Condition<D>) -> bool| -> Vec<BoundaryFacet<D>> {
+            let facets = mesh.facets.iter();
+            facets
+                .filter(|facet| wanted(&conditions[facet.boundary]))
+                .copied()
+                .collect()
+        };
+        let open_facets = of_kind(|condition| matches!(condition, Condition::Open(_)));
+        let flux_facets = of_kind(Condition::carries_fluid);
+        let mut constraints = Constraints {
+            closed: open_facets.is_empty(),
+            fixed: Vec::new(),
+            frames: Vec::new(),
+            pressure: open::pressures(mesh, &conditions, density, gravity),
+            conditions,
+            velocity,
+            flux_facets,
+            open_facets,
+        };
+        constraints.mark();
+        Ok(constraints)
+    }
+
+    /// Fill `fixed` and `frames`.
+    fn mark(&mut self)
+    where
+        Dim<D>: Dimension<D>,
+    {
+        self.fixed = vec![false; Self::UNKNOWNS * self.velocity.len()];
+        self.frames = vec![None; self.velocity.len()];
+        for (node, velocity) in self.velocity.iter().enumerate() {
+            let fixed = &mut self.fixed[Self::UNKNOWNS * node..][..D];
+            match velocity {
+                NodeVelocity::Free => {}
+                NodeVelocity::Zero | NodeVelocity::Given(..) => fixed.fill(true),
+                NodeVelocity::Normal(normal) => match axis_of(normal) {
+                    Some(axis) => fixed[axis] = true,
+                    None => {
+                        fixed[0] = true;
+                        self.frames[node] = Some(Frame::of_normal(normal));
+                    }
+                },
+            }
+        }
+        for &(node, _) in &self.pressure {
+            self.fixed[Self::UNKNOWNS * node + D] = true;
+        }
+        if self.closed {
+            self.fixed[D] = true;
+        }
+    }
+
+    /// The given unknowns at a time; zero where an unknown is free.
+    pub fn values<const N: usize>(&self, mesh: &Mesh<D, N>, time: f64) -> Vec<f64> {
+        let mut values = vec![0.0; self.fixed.len()];
+        for (node, velocity) in self.velocity.iter().enumerate() {
+            if let NodeVelocity::Given(boundary, factor) = *velocity {
+                let u = self.conditions[boundary].velocity(&mesh.position[node], time);
+                for d in 0..D {
+                    values[N * node + d] = factor * u[d];
+                }
+            }
+        }
+        for &(node, value) in &self.pressure {
+            values[N * node + D] = value;
+        }
+        values
+    }
+
+    /// ∮ N_i Q_n of the given velocities, by node \[m^D/s\]. In a closed domain what interpolation
+    /// leaves of the net flux is spread evenly over these facets; more than that is an error.
+    pub fn boundary_flux<const N: usize>(
+        &self,
+        mesh: &Mesh<D, N>,
+        values: &[f64],
+    ) -> Result<Vec<f64>, FluidError> {
+        let mut flux = vec![0.0; mesh.node_count()];
+        let (mut net, mut gross, mut size) = (0.0, 0.0, 0.0);
+        let velocity =
+            |n: usize| -> Vector<D> { std::array::from_fn(|d| values[N * n + d]).into() };
+        for facet in &self.flux_facets {
+            let normal = facet.node.map(|n| space::dot(&velocity(n), &facet.normal));
+            let speed = facet.node.map(|n| hypot(&velocity(n)));
+            for (i, &node) in facet.node.iter().enumerate() {
+                flux[node] += facet.size / (D * N) as f64 * doubled_at(i, &normal);
+            }
+            net += facet.size / D as f64 * sum(&normal);
+            gross += facet.size / D as f64 * sum(&speed);
+            size += facet.size;
+        }
+        if self.closed && net != 0.0 {
+            if net.abs() > 0.01 * gross {
+                return Err(FluidError::Unbalanced {
+                    net: -net,
+                    relative: net.abs() / gross,
+                });
+            }
+            for facet in &self.flux_facets {
+                for node in facet.node {
+                    flux[node] -= facet.size / D as f64 * net / size;
+                }
+            }
+        }
+        Ok(flux)
+    }
+
+    /// Condition of a boundary.
+    pub fn condition(&self, boundary: usize) -> &Condition<D> {
+        &self.conditions[boundary]
+    }
+}
+
+/// The strongest condition at each node; slip is not seen yet.
+fn strongest<const D: usize, const N: usize>(
+    mesh: &Mesh<D, N>,
+    conditions: &[Condition<D>],
+) -> Result<Vec<NodeVelocity<D>>, FluidError> {
+    let mut of_node = vec![NodeVelocity::Free; mesh.node_count()];
+    for facet in &mesh.facets {
+        for node in facet.node {
+            of_node[node] = match (&conditions[facet.boundary], of_node[node]) {
+                (Condition::NoSlip, _) | (_, NodeVelocity::Zero) => NodeVelocity::Zero,
+                (Condition::Periodic, _) => return Err(unjoined(mesh, facet.boundary)),
+                (Condition::Slip | Condition::Open(_), known) => known,
+                (_, NodeVelocity::Given(k, s)) if k <= facet.boundary => NodeVelocity::Given(k, s),
+                _ => NodeVelocity::Given(facet.boundary, 1.0),
+            };
+        }
+    }
+    Ok(of_node)
+}
+
+fn unjoined<const D: usize, const N: usize>(mesh: &Mesh<D, N>, boundary: usize) -> FluidError {
+    FluidError::Boundary {
+        name: mesh.boundary_names[boundary].clone(),
+        why: "periodic needs a rectangle and the same condition on the opposite side".into(),
+    }
+}
+
+/// The axis that a normal follows.
+fn axis_of<const D: usize>(normal: &Vector<D>) -> Option<usize> {
+    let mut axes = (0..D).filter(|&d| normal[d] != 0.0);
+    axes.next().filter(|_| axes.next().is_none())
+}
+
+/// Σ (1 + δ_ik) value_k
+fn doubled_at<const D: usize>(i: usize, value: &[f64; D]) -> f64 {
+    let weighted = |k: usize| if k == i { 2.0 * value[k] } else { value[k] };
+    (1..D).fold(weighted(0), |sum, k| sum + weighted(k))
+}
+
+fn sum<const D: usize>(value: &[f64; D]) -> f64 {
+    (1..D).fold(value[0], |sum, k| sum + value[k])
+}

@@ -1,0 +1,18 @@
+//! What holds at the boundary, resolved to nodes once for a mesh. Read in this order:
+//!
+//! * [`condition`]: a condition, by the name of its boundary
+//! * [`frame`]: velocity unknowns along a wall
+//! * [`constraints`]: what is known about the unknowns of every node
+//! * [`slip`], [`inflow`], [`open`]: where that comes from
+
+pub mod condition;
+pub mod constraints;
+pub mod frame;
+mod inflow;
+mod node;
+mod open;
+mod slip;
+
+pub use condition::{Condition, VelocityFunction};
+pub use constraints::Constraints;
+pub use frame::Frame;

@@ -1,0 +1,20 @@
+//! The volume-averaged equations, from their terms to the assembled system. Read in this order:
+//!
+//! * [`coefficients`]: what the equations are told
+//! * [`element`], [`point`]: the values of a simplex, and what the terms share at a quadrature point
+//! * [`momentum`], [`continuity`], [`stabilization`]: the terms, entry by entry
+//! * [`assembly`]: the system made of them
+//! * [`creeping`]: when convection may be left out
+//! * [`manufactured`]: exact solutions for tests and studies
+
+pub mod assembly;
+pub mod coefficients;
+pub mod continuity;
+pub mod creeping;
+pub mod element;
+pub mod manufactured;
+pub mod momentum;
+pub mod point;
+pub mod stabilization;
+
+pub use coefficients::{BodyForce, Carrier, Coefficients, ViscousForm};
