@@ -13,7 +13,7 @@ use super::frame::Frame;
 use super::node::NodeVelocity;
 use super::{inflow, open, slip};
 use crate::error::FluidError;
-use crate::mesh::facets::BoundaryFacet;
+use crate::mesh::facet::BoundaryFacet;
 use crate::mesh::simplices::Mesh;
 
 /// Conditions on the unknowns of a mesh.

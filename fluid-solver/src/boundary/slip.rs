@@ -4,7 +4,7 @@ use space::{Vector, dot, hypot};
 
 use super::condition::Condition;
 use super::node::NodeVelocity;
-use crate::mesh::facets::BoundaryFacet;
+use crate::mesh::facet::BoundaryFacet;
 use crate::mesh::simplices::Mesh;
 
 /// Cosine of the angle between two walls from which on their corner holds every component.

@@ -7,7 +7,7 @@ use space::{Vector, dot};
 use super::solved::Solved;
 use crate::boundary::condition::Condition;
 use crate::boundary::frame::turn_back;
-use crate::mesh::facets::BoundaryFacet;
+use crate::mesh::facet::BoundaryFacet;
 use crate::numbers::{Numbers, named};
 
 /// Names of the axes.

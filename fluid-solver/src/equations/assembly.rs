@@ -12,7 +12,7 @@ use super::momentum::{self, Matrix, RightSide};
 use crate::boundary::constraints::Constraints;
 use crate::boundary::frame::Frame;
 use crate::linear::system::System;
-use crate::mesh::facets::BoundaryFacet;
+use crate::mesh::facet::BoundaryFacet;
 use crate::mesh::simplices::Mesh;
 
 /// Simplices whose blocks are computed, on all threads, before they are added in order.

@@ -2,10 +2,9 @@
 
 use space::simplex::interpolate;
 use space::vector::from_fn;
-use space::{Dim, Dimension, Simplex, Vector, hypot, quadrature};
+use space::{Dim, Dimension, Simplex, Vector, hypot};
 
 use super::coefficients::{Carrier, Coefficients};
-use super::point::Point;
 use super::stabilization::Scales;
 use crate::mesh::simplices::Mesh;
 
@@ -138,17 +137,6 @@ where
             let gradient = self.simplex.gradient_of(&velocity[d]);
             from_fn(|f| (gradient[f] - a[d] * slope[f]) / value)
         })
-    }
-
-    /// The quadrature points, in their fixed order.
-    pub fn points(&self) -> impl Iterator<Item = Point<D, N>> + '_ {
-        quadrature::points::<N>()
-            .map(|(shape, weight)| Point::new(self, shape, weight * self.simplex.volume))
-    }
-
-    /// All values where the shape functions are `shape`.
-    pub fn point(&self, shape: [f64; N], weight: f64) -> Point<D, N> {
-        Point::new(self, shape, weight)
     }
 }
 

@@ -19,7 +19,7 @@
 
 use space::simplex::{combine, interpolate};
 use space::vector::from_fn;
-use space::{Dim, Dimension, Vector, dot};
+use space::{Dim, Dimension, Vector, dot, quadrature};
 
 use super::coefficients::ViscousForm;
 use super::element::Element;
@@ -88,13 +88,29 @@ pub struct Point<const D: usize, const N: usize> {
     pub tau_c: f64,
 }
 
+impl<const D: usize, const N: usize> Element<'_, D, N>
+where
+    Dim<D>: Dimension<D>,
+{
+    /// The quadrature points, in their fixed order.
+    pub fn points(&self) -> impl Iterator<Item = Point<D, N>> + '_ {
+        quadrature::points::<N>()
+            .map(|(shape, weight)| Point::new(self, shape, weight * self.simplex.volume))
+    }
+
+    /// All values where the shape functions are `shape`.
+    pub fn point(&self, shape: [f64; N], weight: f64) -> Point<D, N> {
+        Point::new(self, shape, weight)
+    }
+}
+
 impl<const D: usize, const N: usize> Point<D, N>
 where
     Dim<D>: Dimension<D>,
 {
     /// The values of an element where the shape functions are `shape`.
     #[inline]
-    pub(super) fn new(element: &Element<'_, D, N>, shape: [f64; N], weight: f64) -> Point<D, N> {
+    fn new(element: &Element<'_, D, N>, shape: [f64; N], weight: f64) -> Point<D, N> {
         let terms = element.terms;
         let porosity = interpolate(&shape, &element.porosity);
         let entrained = interpolate(&shape, &element.entrained);

@@ -1,39 +1,11 @@
-//! The boundary: sides of single simplices, each with one name.
+//! Which sides of simplices are the boundary: those of single simplices, each with one name.
 
 use space::simplex::facet_corners;
-use space::{Dim, Dimension, Vector, hypot};
+use space::{Dim, Dimension, hypot};
 
+use super::facet::BoundaryFacet;
 use super::simplices::Mesh;
 use crate::error::{FluidError, places};
-
-/// A facet of the boundary (an edge, a triangle) with the domain behind it.
-#[derive(Debug, Clone, Copy)]
-pub struct BoundaryFacet<const D: usize> {
-    /// Corner numbers of the facet within its simplex; in the plane the domain is on the left.
-    pub corner: [usize; D],
-    /// Nodes of the facet.
-    pub node: [usize; D],
-    /// The simplex it belongs to.
-    pub simplex: usize,
-    /// Which boundary, index into `Mesh::boundary_names`.
-    pub boundary: usize,
-    /// Outward unit normal.
-    pub normal: Vector<D>,
-    /// Length \[m\] or area \[m²\].
-    pub size: f64,
-}
-
-impl<const D: usize> BoundaryFacet<D> {
-    /// N_i of the simplex where those of the facet are `on_facet`.
-    #[inline]
-    pub fn shape<const N: usize>(&self, on_facet: &[f64; D]) -> [f64; N] {
-        let mut shape = [0.0; N];
-        for (corner, value) in self.corner.iter().zip(on_facet) {
-            shape[*corner] = *value;
-        }
-        shape
-    }
-}
 
 /// A side of a simplex: its nodes ascending, the simplex, the corner opposite to it.
 type Side<const D: usize> = ([usize; D], usize, usize);

@@ -7,7 +7,7 @@
 
 use space::{Dim, Dimension, Period, Simplex, Vector};
 
-use super::facets::BoundaryFacet;
+use super::facet::BoundaryFacet;
 use crate::error::{FluidError, places};
 
 /// A mesh of linear simplices with `N = D + 1` corners.
