@@ -123,10 +123,11 @@ mod tests {
 
     fn clock(end_time: f64, coupling_step: f64, adaptive: Option<AdaptiveStep>) -> Clock {
         Clock::new(&CouplerScene {
+            dimension: 2,
             end_time,
             coupling_step,
             adaptive,
-            gravity: [0.0, -9.81],
+            gravity: vec![0.0, -9.81],
             fluid: None,
             particles: None,
             grains_stay: false,

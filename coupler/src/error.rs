@@ -87,19 +87,6 @@ pub enum CouplerError {
         /// All grains.
         grains: usize,
     },
-    /// A particle engine does not tell how many sub-steps a candidate took.
-    #[error(
-        "step {step}: the particle engine `{engine}` must report how many sub-steps its candidate \
-         took (diagnostic `sub_steps`, 1 or more), it reported {told}"
-    )]
-    SubSteps {
-        /// Its name.
-        engine: String,
-        /// Which step.
-        step: u64,
-        /// What it reported.
-        told: String,
-    },
     /// A contact state that is none.
     #[error(
         "step {step}: the particle engine says grain_contact {number} of grain {grain}, allowed: 0 free, \
@@ -154,7 +141,6 @@ impl CouplerError {
             CouplerError::GrainOutside { .. }
             | CouplerError::Dimension { .. }
             | CouplerError::ContactState { .. }
-            | CouplerError::SubSteps { .. }
             | CouplerError::Porosity { .. }
             | CouplerError::Smoothing { .. }
             | CouplerError::NotFinite { .. } => 7,

@@ -22,6 +22,7 @@ pub fn read(path: &Path) -> Result<(CouplerScene, InitialGrains), CouplerError> 
     let text = std::fs::read_to_string(path).map_err(|error| refuse(path, error.to_string()))?;
     let scene: CouplerScene =
         serde_json::from_str(&text).map_err(|error| refuse(path, error.to_string()))?;
+    scene.check().map_err(|why| refuse(path, why))?;
     let Some(name) = &scene.grains_file else {
         return Ok((scene, InitialGrains::default()));
     };
@@ -34,8 +35,11 @@ pub fn read(path: &Path) -> Result<(CouplerScene, InitialGrains), CouplerError> 
 fn grains(file: &Path, scene: &CouplerScene) -> Result<InitialGrains, String> {
     let mut reader = csv::Reader::from_path(file).map_err(|error| error.to_string())?;
     let headers = reader.headers().map_err(|error| error.to_string())?;
-    let columns = Columns::new(headers, scene.gravity.len())?;
-    let mut grains = InitialGrains::default();
+    let columns = Columns::new(headers, scene.dimension)?;
+    let mut grains = InitialGrains {
+        dimension: scene.dimension,
+        ..InitialGrains::default()
+    };
     for (index, row) in reader.records().enumerate() {
         let row = row.map_err(|error| error.to_string())?;
         columns

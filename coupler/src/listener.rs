@@ -39,7 +39,7 @@ impl Listener {
             let hellos = simulation.hellos();
             let fluid = simulation.system.fluid();
             let mesh = fluid.map(|seat| &seat.description);
-            sender.started(&hellos, mesh, &simulation.state.grains.radius)?;
+            sender.started(D, &hellos, mesh, &simulation.state.grains.radius)?;
         }
         self.snapshot(simulation)
     }

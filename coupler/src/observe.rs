@@ -72,7 +72,8 @@ impl Row {
         let Some(seat) = simulation.system.particles() else {
             return;
         };
-        for name in ["contacts", "contact_residual", "penetration_max"] {
+        self.add("contacts", seat.touching().unwrap_or(0) as f64);
+        for name in ["contact_residual", "penetration_max"] {
             self.add(name, value(seat.diagnostics(), name).unwrap_or(0.0));
         }
         for name in COUNTERS {
@@ -144,6 +145,12 @@ impl Row {
         };
         let state = &simulation.state;
         self.add("fluid_speed_max", speed_max(&state.flow.velocity));
+        if let Some(reynolds) = seat.report.reynolds {
+            self.add("reynolds", reynolds);
+        }
+        if let Some(convects) = seat.report.convects {
+            self.add("convection", f64::from(convects));
+        }
         for diagnostic in seat.diagnostics.iter().filter(|d| is_column(&d.name)) {
             self.add(&diagnostic.name, diagnostic.value);
         }
@@ -154,11 +161,10 @@ impl Row {
     }
 }
 
-/// Numbers of the fluid engine that stand in `steps.csv` as they are: Reynolds number of the flow, is
-/// convection there (1, 0), inflow \[m²/s\], pressure drop
+/// Numbers of the fluid engine that stand in `steps.csv` as they are: inflow \[m²/s\], pressure drop
 /// \[Pa\], forces on walls and bodies \[N/m\].
 fn is_column(name: &str) -> bool {
-    matches!(name, "inflow" | "pressure_drop" | "reynolds" | "convection")
+    matches!(name, "inflow" | "pressure_drop")
         || AXES.iter().any(|axis| {
             let force = name.strip_prefix("force_");
             let along = force.and_then(|rest| rest.strip_prefix(axis));

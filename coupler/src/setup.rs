@@ -171,10 +171,10 @@ fn tolerance(scene: &CouplerScene, part: &ParticleScene) -> f64 {
 /// Walls and periods that grains may meet.
 fn proximity<const D: usize>(scene: &ParticleScene) -> Result<Proximity<D>, CouplerError> {
     let corners = |wall: &Wall| -> Result<[Vector<D>; D], CouplerError> {
-        let corners = [
-            door::vector(&wall.a, "wall")?,
-            door::vector(&wall.b, "wall")?,
-        ];
+        let corners = wall.corners.iter();
+        let corners = corners
+            .map(|corner| door::vector(corner, "wall"))
+            .collect::<Result<Vec<_>, _>>()?;
         <[Vector<D>; D]>::try_from(&corners[..])
             .map_err(|_| door::wrong_count("wall", corners.len(), D))
     };

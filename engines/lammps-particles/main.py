@@ -49,6 +49,8 @@ class Lammps(sillage.ParticleEngine):
             os.unlink(path)
 
     def configure(self, scene, grains):
+        if scene["dimension"] != 2:
+            raise sillage.SceneError(f"{self.name} is for two dimensions, the scene has {scene['dimension']}")
         # Restart files lie in the run's own folder, which goes with the run however it ends.
         run = os.path.join("/dev/shm", f"sillage-{os.environ.get('SILLAGE_RUN', '')}")
         self.folder = tempfile.mkdtemp(prefix="sillage-lammps-", dir=run if os.path.isdir(run) else None)
@@ -213,12 +215,11 @@ class Lammps(sillage.ParticleEngine):
         outputs.grain_contact[:] = contacts > 0
         lmp.command(f"write_restart {self.file('candidate')} noinit")
         self.candidate = position, velocity
-        return {
-            "sub_steps": sub_steps,
-            "contacts": 0.5 * contacts.sum(),
+        numbers = {
             "penetration_max": self.penetration(position),
             "kinetic_energy": 0.5 * (g.mass[:, None] * velocity**2).sum(),
         }
+        return sillage.ParticleReport(sub_steps, touching=int(contacts.sum()) // 2, diagnostics=numbers)
 
     def gather(self, name):
         """x or v in the order of the grains; positions are not wrapped."""
@@ -290,14 +291,15 @@ def planes(walls):
     """Axis and two coordinates (or None) of walls that all lie along an axis."""
     sides = {"x": [None, None], "y": [None, None]}
     for wall in walls:
-        (ax, ay), (bx, by) = wall["a"], wall["b"]
+        a, b = wall["corners"]
+        (ax, ay), (bx, by) = a, b
         if ax == bx:
             axis, at, high = "x", ax, by > ay  # grains on the left of a → b
         elif ay == by:
             axis, at, high = "y", ay, bx < ax
         else:
             raise sillage.SceneError(
-                f"the wall from {wall['a']} to {wall['b']} is inclined: lammps-particles has planes along x and y"
+                f"the wall from {a} to {b} is inclined: lammps-particles has planes along x and y"
             )
         old = sides[axis][high]
         if old is not None and old != at:

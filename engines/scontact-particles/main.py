@@ -35,6 +35,8 @@ class Scontact(sillage.ParticleEngine):
     capabilities = ("implicit-drag", "contact-state", "checkpoint")
 
     def configure(self, scene, grains):
+        if scene["dimension"] != 2:
+            raise sillage.SceneError(f"{self.name} is for two dimensions, the scene has {scene['dimension']}")
         if any(scene["period"]):
             raise sillage.SceneError(
                 f"the domain is periodic ({scene['period']} m): scontact-particles has walls only"
@@ -59,7 +61,7 @@ class Scontact(sillage.ParticleEngine):
             inertia = scene["inertia_factor"] * m * r**2
             problem.add_particle(x, r, m, "grain", fixed, 1.0 / inertia)
         for wall in scene["walls"]:
-            a, b = np.array(wall["a"]), np.array(wall["b"])
+            a, b = (np.array(corner) for corner in wall["corners"])
             problem.add_boundary_segment(a, b, "wall", "wall")
         problem.get_material_id("wall")
         problem.set_friction_coefficient(scene["friction"], "grain", "grain")
@@ -101,12 +103,8 @@ class Scontact(sillage.ParticleEngine):
         outputs.grain_mean_velocity[:] = (position - start) / request.dt
         outputs.grain_contact[:] = self.contact_state(contacts)
         energy = 0.5 * (self.grains.mass[:, None] * velocity**2)[self.movable].sum()
-        return {
-            "sub_steps": sub_steps,
-            "contacts": len(contacts[-1]),
-            "penetration_max": self.penetration(),
-            "kinetic_energy": energy,
-        }
+        numbers = {"penetration_max": self.penetration(), "kinetic_energy": energy}
+        return sillage.ParticleReport(sub_steps, touching=len(contacts[-1]), diagnostics=numbers)
 
     def sub_steps_needed(self, request, drag, force):
         """From how fast grains come together, and how far contacts are looked for."""

@@ -160,7 +160,7 @@ class SkfemFluid(sillage.FluidEngine):
         outputs.pressure_gradient[:] = gradient
         outputs.pressure[:] = pressure
         self.candidate = velocity
-        return self.diagnostics(porosity, inputs, velocity, pressure, average, gradient)
+        return self.report(porosity, inputs, velocity, pressure, average, gradient)
 
     def assemble(self, dt, porosity, inputs):
         density, viscosity = self.scene["density"], self.scene["dynamic_viscosity"]
@@ -243,7 +243,7 @@ class SkfemFluid(sillage.FluidEngine):
             raise sillage.NotFinite("the solution of the fluid is not finite")
         return values
 
-    def diagnostics(self, porosity, inputs, velocity, pressure, average, gradient):
+    def report(self, porosity, inputs, velocity, pressure, average, gradient):
         phi = self.pressure.interpolate(porosity)
         energy = skfem.Functional(lambda f: 0.5 * self.scene["density"] * f.phi * (f.vx**2 + f.vy**2))
         vx, vy = (self.velocity.interpolate(component) for component in velocity)
@@ -253,10 +253,10 @@ class SkfemFluid(sillage.FluidEngine):
         # What the grains do to the fluid in (F2) and (F3).
         pull = inputs.drag_source - inputs.drag[:, None] * average
         work = self.mass @ (average * pull + inputs.solid_flux * gradient).sum(axis=1)
-        return {
-            "kinetic_energy": energy.assemble(self.velocity, phi=phi, vx=vx, vy=vy),
-            "solid_power": work - flow.assemble(self.velocity, kappa=mobility, p=slope),
-        }
+        return sillage.FluidReport(
+            solid_power=work - flow.assemble(self.velocity, kappa=mobility, p=slope),
+            diagnostics={"kinetic_energy": energy.assemble(self.velocity, phi=phi, vx=vx, vy=vy)},
+        )
 
     def commit(self):
         self.accepted, self.candidate = self.candidate, None
@@ -287,6 +287,8 @@ def porosity_at(velocity, pressure, porosity):
 
 def refuse_what_is_missing(scene):
     """Say what this engine cannot do, with the key of the scene."""
+    if scene["dimension"] != 2:
+        raise sillage.SceneError(f"skfem-fluid is for two dimensions, the scene has {scene['dimension']}")
     if "rectangle" not in scene["mesh"]:
         raise sillage.SceneError("fluid.domain.mesh: skfem-fluid has rectangles only, use fluid.domain.rectangle")
     wanted = {"time_scheme": "backward-euler", "nonlinear": "picard", "viscous_form": "symmetric"}

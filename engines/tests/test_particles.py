@@ -31,7 +31,7 @@ def disks(position, radius=0.005, velocity=None, fixed=None):
 
 
 def wall(ax, ay, bx, by):
-    return {"a": [ax, ay], "b": [bx, by]}
+    return {"corners": [[ax, ay], [bx, by]]}
 
 
 def box(width, height):
@@ -56,7 +56,7 @@ def test_a_free_grain_falls_as_its_drag_allows(make, tmp_path):
             for _ in range(3):
                 found = driver.advance(dt, grain_drag=[drag], grain_force=[[mass, 0.0]])
                 driver.commit()
-                count = int(found.diagnostics["sub_steps"])
+                count = int(found.report["sub_steps"])
                 delta = dt / count
                 for _ in range(count):
                     speed = (mass * speed - delta * mass * G) / (mass + delta * drag)

@@ -96,13 +96,13 @@ def test_the_work_of_the_grains_is_the_sum_over_the_nodes_less_what_mobility_tak
         v, gradient = found.interstitial_velocity, found.pressure_gradient
         pull = fields["drag_source"] - fields["drag"][:, None] * v
         nodal = mass @ (v * pull + fields["solid_flux"] * gradient).sum(axis=1)
-        power = found.diagnostics["solid_power"]
+        power = found.report["solid_power"]
         loss = nodal - power
         del fields["solid_mobility"]
         found = driver.advance(1e-2, **fields)
         v, gradient = found.interstitial_velocity, found.pressure_gradient
         pull = fields["drag_source"] - fields["drag"][:, None] * v
-        without = mass @ (v * pull + fields["solid_flux"] * gradient).sum(axis=1) - found.diagnostics["solid_power"]
+        without = mass @ (v * pull + fields["solid_flux"] * gradient).sum(axis=1) - found.report["solid_power"]
     print(f"\npower {power:.4e} W; taken by mobility {loss:.1e} W, without it {without:.1e} W")
     assert loss > 1e-6 * abs(power)  # ∫κ|∇p|²
     assert abs(without) < 1e-12 * abs(power)

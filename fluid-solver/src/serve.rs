@@ -1,12 +1,13 @@
 //! The fluid seat: the only file that knows the protocol. It translates, nothing more.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::ExitCode;
 
-use protocol::configure::{self, Convection, FluidScene, MeshSource};
-use protocol::engine::{FluidAnswer, FluidEngine, MeshDescription, SolidResponse};
-use protocol::messages::{Advance, Capability, Diagnostic, Failure, FailureKind};
+use protocol::engine::{Computed, FluidEngine, Inputs, MeshDescription, Outputs};
+use protocol::field::Field;
+use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
+use protocol::report::FluidReport;
+use protocol::scene::{self, Convection, FluidScene, MeshSource, fixed};
 
 use space::flat;
 
@@ -21,6 +22,9 @@ use crate::mesh::simplices::Mesh;
 use crate::solid::SolidFields;
 use crate::state::State;
 use crate::step::FluidSolver;
+
+/// Numbers of a candidate that the report tells.
+const TYPED: [&str; 3] = ["solid_power", "reynolds", "convection"];
 
 /// The built-in fluid engine, in the plane: the scene's meshes are plane.
 #[derive(Default)]
@@ -47,9 +51,21 @@ impl FluidEngine for Engine {
     }
 
     fn configure(&mut self, scene: &FluidScene) -> Result<MeshDescription, Failure> {
-        let config = config(scene);
+        let config = config(scene).map_err(unusable)?;
         let refuse = |error: FluidError| Failure::new(FailureKind::Scene, error.to_string());
-        let mesh = mesh(&scene.mesh, &config.boundaries).map_err(refuse)?;
+        let mesh = match Source::of(&scene.mesh).map_err(unusable)? {
+            Source::File(path) => gmsh::read(path),
+            Source::Rectangle(rectangle) => {
+                periodic_directions(&config.boundaries).and_then(|periodic| {
+                    Rectangle {
+                        periodic,
+                        ..rectangle
+                    }
+                    .mesh()
+                })
+            }
+        }
+        .map_err(refuse)?;
         let description = describe(&mesh);
         tracing::info!(
             nodes = mesh.node_count(),
@@ -63,16 +79,16 @@ impl FluidEngine for Engine {
     fn advance(
         &mut self,
         request: &Advance,
-        solid: &SolidResponse<'_>,
-        answer: FluidAnswer<'_>,
-    ) -> Result<Vec<Diagnostic>, Failure> {
+        inputs: &Inputs<'_>,
+        mut outputs: Outputs<'_>,
+    ) -> Result<Computed<FluidReport>, Failure> {
         let fields = SolidFields {
-            porosity: solid.porosity,
-            drag: solid.drag,
-            drag_source: solid.drag_source,
-            entrained_fraction: solid.entrained_fraction,
-            solid_flux: solid.solid_flux,
-            solid_mobility: solid.solid_mobility,
+            porosity: inputs.get(Field::Porosity),
+            drag: inputs.get(Field::Drag),
+            drag_source: inputs.get(Field::DragSource),
+            entrained_fraction: inputs.get(Field::EntrainedFraction),
+            solid_flux: inputs.get(Field::SolidFlux),
+            solid_mobility: inputs.get(Field::SolidMobility),
         };
         let request = Request {
             step: request.step,
@@ -83,25 +99,38 @@ impl FluidEngine for Engine {
         let candidate = candidate.map_err(failure)?;
         let copies = [
             (
-                answer.interstitial_velocity,
+                Field::InterstitialVelocity,
                 flat::numbers(&candidate.interstitial_velocity),
             ),
             (
-                answer.pressure_gradient,
+                Field::PressureGradient,
                 flat::numbers(&candidate.pressure_gradient),
             ),
-            (answer.pressure, &candidate.state.pressure[..]),
+            (Field::Pressure, &candidate.state.pressure[..]),
         ];
-        for (target, source) in copies {
-            target.copy_from_slice(source);
+        for (field, values) in copies {
+            outputs.take(field).copy_from_slice(values);
         }
         let numbers = candidate.diagnostics.iter();
-        Ok(numbers
-            .map(|(name, value)| Diagnostic {
-                name: name.clone(),
-                value: *value,
-            })
-            .collect())
+        let told = |wanted: &str| {
+            let found = numbers.clone().find(|(name, _)| name == wanted);
+            found.map(|(_, value)| *value)
+        };
+        Ok(Computed {
+            report: FluidReport {
+                solid_power: told("solid_power"),
+                reynolds: told("reynolds"),
+                convects: told("convection").map(|there| there != 0.0),
+            },
+            diagnostics: numbers
+                .clone()
+                .filter(|(name, _)| !TYPED.contains(&name.as_str()))
+                .map(|(name, value)| Diagnostic {
+                    name: name.clone(),
+                    value: *value,
+                })
+                .collect(),
+        })
     }
 
     fn commit(&mut self) -> Result<(), Failure> {
@@ -140,26 +169,30 @@ fn failure(error: FluidError) -> Failure {
     Failure::new(kind, error.to_string())
 }
 
-fn config(scene: &FluidScene) -> FluidConfig<2> {
+fn unusable(why: String) -> Failure {
+    Failure::new(FailureKind::Scene, why)
+}
+
+fn config(scene: &FluidScene) -> Result<FluidConfig<2>, String> {
     let mut config = FluidConfig::new(scene.density, scene.dynamic_viscosity);
     let named = scene.boundaries.iter();
     config.boundaries = named
-        .map(|(name, boundary)| (name.clone(), condition(boundary)))
-        .collect();
-    config.gravity = scene.gravity.into();
+        .map(|(name, boundary)| Ok((name.clone(), condition(&boundary.try_map(|v| fixed(v))?))))
+        .collect::<Result<_, String>>()?;
+    config.gravity = fixed(&scene.gravity)?.into();
     config.convection = scene.convection != Convection::Never;
     config.creeping_below = (scene.convection == Convection::AsNeeded).then_some(CREEPING_REYNOLDS);
     config.grad_div = scene.grad_div;
     config.threads = scene.threads;
-    config.initial_velocity = scene.initial_velocity.into();
+    config.initial_velocity = fixed(&scene.initial_velocity)?.into();
     config.time_scheme = match scene.time_scheme {
-        configure::TimeScheme::BackwardEuler => TimeScheme::BackwardEuler,
-        configure::TimeScheme::Bdf2 => TimeScheme::Bdf2,
-        configure::TimeScheme::Steady => TimeScheme::Steady,
+        scene::TimeScheme::BackwardEuler => TimeScheme::BackwardEuler,
+        scene::TimeScheme::Bdf2 => TimeScheme::Bdf2,
+        scene::TimeScheme::Steady => TimeScheme::Steady,
     };
     config.nonlinear = match scene.nonlinear {
-        configure::Nonlinear::Picard => Nonlinear::Picard,
-        configure::Nonlinear::Newton {
+        scene::Nonlinear::Picard => Nonlinear::Picard,
+        scene::Nonlinear::Newton {
             tolerance,
             iterations_max,
         } => Nonlinear::Newton {
@@ -168,68 +201,66 @@ fn config(scene: &FluidScene) -> FluidConfig<2> {
         },
     };
     config.viscous_form = match scene.viscous_form {
-        configure::ViscousForm::Symmetric => ViscousForm::Symmetric,
-        configure::ViscousForm::PaperLiteral => ViscousForm::PaperLiteral,
+        scene::ViscousForm::Symmetric => ViscousForm::Symmetric,
+        scene::ViscousForm::PaperLiteral => ViscousForm::PaperLiteral,
     };
-    config
+    Ok(config)
 }
 
-fn condition(boundary: &configure::Boundary) -> Condition<2> {
+fn condition(boundary: &scene::Boundary<[f64; 2]>) -> Condition<2> {
     match boundary {
-        configure::Boundary::NoSlip => Condition::NoSlip,
-        configure::Boundary::Slip => Condition::Slip,
-        configure::Boundary::Periodic => Condition::Periodic,
-        configure::Boundary::Inflow { velocity, profile } => match profile {
-            configure::Profile::Uniform => Condition::uniform(*velocity),
-            configure::Profile::Parabolic => Condition::Parabolic((*velocity).into()),
+        scene::Boundary::NoSlip => Condition::NoSlip,
+        scene::Boundary::Slip => Condition::Slip,
+        scene::Boundary::Periodic => Condition::Periodic,
+        scene::Boundary::Inflow { velocity, profile } => match profile {
+            scene::Profile::Uniform => Condition::uniform(*velocity),
+            scene::Profile::Parabolic => Condition::Parabolic((*velocity).into()),
         },
-        configure::Boundary::Open { pressure } => Condition::Open(*pressure),
+        scene::Boundary::Open { pressure } => Condition::Open(*pressure),
     }
 }
 
-fn mesh(
-    source: &MeshSource,
-    boundaries: &BTreeMap<String, Condition<2>>,
-) -> Result<Mesh<2, 3>, FluidError> {
-    match source {
-        MeshSource::File { path } => gmsh::read(Path::new(path)),
-        MeshSource::Rectangle {
-            lower,
-            upper,
-            cells,
-            diagonals,
-            grading,
-        } => Rectangle {
-            lower: (*lower).into(),
-            upper: (*upper).into(),
-            cells: *cells,
-            diagonals: match diagonals {
-                configure::Diagonals::Alternate => Diagonals::Alternate,
-                configure::Diagonals::Uniform => Diagonals::Uniform,
-            },
-            grading: (*grading).into(),
-            periodic: periodic_directions(boundaries)?,
-        }
-        .mesh(),
+/// Where the mesh comes from.
+enum Source<'a> {
+    File(&'a Path),
+    Rectangle(Rectangle),
+}
+
+impl Source<'_> {
+    fn of(source: &MeshSource) -> Result<Source<'_>, String> {
+        Ok(match source {
+            MeshSource::File { path } => Source::File(Path::new(path)),
+            MeshSource::Rectangle {
+                lower,
+                upper,
+                cells,
+                diagonals,
+                grading,
+            } => Source::Rectangle(Rectangle {
+                lower: fixed(lower)?.into(),
+                upper: fixed(upper)?.into(),
+                cells: fixed(cells)?,
+                diagonals: match diagonals {
+                    scene::Diagonals::Alternate => Diagonals::Alternate,
+                    scene::Diagonals::Uniform => Diagonals::Uniform,
+                },
+                grading: fixed(grading)?.into(),
+                periodic: [false; 2],
+            }),
+        })
     }
 }
 
 /// The mesh as the coupler needs it.
 fn describe(mesh: &Mesh<2, 3>) -> MeshDescription {
+    let nodes = mesh.simplices.iter().flatten();
     MeshDescription {
+        dimension: 2,
         node_position: flat::numbers(&mesh.position).to_vec(),
-        triangles: mesh
-            .simplices
-            .iter()
-            .map(|nodes| nodes.map(|node| node as u32))
-            .collect(),
-        triangle_position: mesh
-            .corners
-            .iter()
-            .map(|corners| std::array::from_fn(|k| corners[k / 2][k % 2]))
-            .collect(),
+        simplex_nodes: nodes.map(|&node| node as u32).collect(),
+        simplex_position: flat::numbers(mesh.corners.as_flattened()).to_vec(),
         nodal_mass: mesh.nodal_mass.clone(),
-        period: mesh.period,
+        period: mesh.period.to_vec(),
     }
 }
 
@@ -237,39 +268,40 @@ fn describe(mesh: &Mesh<2, 3>) -> MeshDescription {
 mod tests {
     use super::*;
 
-    fn scene(boundaries: &[(&str, configure::Boundary)]) -> FluidScene {
+    fn scene(boundaries: &[(&str, scene::Boundary)]) -> FluidScene {
         FluidScene {
+            dimension: 2,
             density: 1200.0,
             dynamic_viscosity: 0.12,
-            gravity: [0.0, -9.81],
+            gravity: vec![0.0, -9.81],
             mesh: MeshSource::Rectangle {
-                lower: [0.0; 2],
-                upper: [0.1, 0.3],
-                cells: [1, 6],
-                diagonals: configure::Diagonals::Uniform,
-                grading: [1.0; 2],
+                lower: vec![0.0; 2],
+                upper: vec![0.1, 0.3],
+                cells: vec![1, 6],
+                diagonals: scene::Diagonals::Uniform,
+                grading: vec![1.0; 2],
             },
             boundaries: boundaries
                 .iter()
                 .map(|(name, b)| ((*name).to_owned(), b.clone()))
                 .collect(),
             convection: true.into(),
-            time_scheme: configure::TimeScheme::Bdf2,
-            nonlinear: configure::Nonlinear::Picard,
-            viscous_form: configure::ViscousForm::Symmetric,
+            time_scheme: scene::TimeScheme::Bdf2,
+            nonlinear: scene::Nonlinear::Picard,
+            viscous_form: scene::ViscousForm::Symmetric,
             grad_div: 1.0,
-            initial_velocity: [0.0; 2],
+            initial_velocity: vec![0.0; 2],
             threads: 1,
         }
     }
 
     fn step(engine: &mut Engine, nodes: usize) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
         let (mut v, mut g, mut p) = (vec![0.0; 2 * nodes], vec![0.0; 2 * nodes], vec![0.0; nodes]);
-        let answer = FluidAnswer {
-            interstitial_velocity: &mut v,
-            pressure_gradient: &mut g,
-            pressure: &mut p,
-        };
+        let outputs = Outputs::new(vec![
+            (Field::InterstitialVelocity, &mut v[..]),
+            (Field::PressureGradient, &mut g[..]),
+            (Field::Pressure, &mut p[..]),
+        ]);
         let fields = Vec::new();
         let request = Advance {
             step: 1,
@@ -281,7 +313,7 @@ mod tests {
             fields,
         };
         engine
-            .advance(&request, &SolidResponse::default(), answer)
+            .advance(&request, &Inputs::default(), outputs)
             .unwrap();
         engine.commit().unwrap();
         (v, g, p)
@@ -289,11 +321,11 @@ mod tests {
 
     #[test]
     fn a_periodic_column_of_one_cell_rests_and_survives_a_checkpoint() {
-        use configure::Boundary::{NoSlip, Periodic};
+        use scene::Boundary::{NoSlip, Periodic};
         let mut engine = Engine::default();
         let sides = [("left", Periodic), ("right", Periodic), ("all", NoSlip)];
         let mesh = engine.configure(&scene(&sides)).unwrap();
-        assert_eq!((mesh.nodal_mass.len(), mesh.triangles.len()), (7, 12));
+        assert_eq!((mesh.node_count(), mesh.simplex_count()), (7, 12));
         assert_eq!(mesh.period, [Some(0.1), None]);
         let (v, g, p) = step(&mut engine, 7);
         assert!(v.iter().all(|v| v.abs() < 1e-12));
@@ -313,7 +345,7 @@ mod tests {
 
     #[test]
     fn a_scene_that_cannot_be_run_is_a_scene_failure() {
-        use configure::Boundary::{NoSlip, Open, Periodic};
+        use scene::Boundary::{NoSlip, Open, Periodic};
         let mut one_sided = scene(&[("left", Periodic), ("all", NoSlip)]);
         let unknown = scene(&[("outlet", Open { pressure: 0.0 }), ("all", NoSlip)]);
         let check = |scene: &FluidScene, parts: &[&str]| {

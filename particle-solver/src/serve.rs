@@ -3,10 +3,12 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use protocol::configure::{ParticleScene, Wall};
-use protocol::engine::{FluidForces, GrainAnswer, InitialGrains, ParticleEngine};
-use protocol::messages::{Advance, Capability, Diagnostic, Failure, FailureKind};
+use protocol::engine::{Computed, InitialGrains, Inputs, Outputs, ParticleEngine};
+use protocol::field::Field;
+use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
 use protocol::process::may_leave_out;
+use protocol::report::ParticleReport;
+use protocol::scene::{ParticleScene, Wall, fixed};
 
 use space::{Vector, flat};
 
@@ -70,9 +72,9 @@ impl ParticleEngine for Engine {
     fn advance(
         &mut self,
         request: &Advance,
-        fluid: &FluidForces<'_>,
-        answer: GrainAnswer<'_>,
-    ) -> Result<Vec<Diagnostic>, Failure> {
+        inputs: &Inputs<'_>,
+        outputs: Outputs<'_>,
+    ) -> Result<Computed<ParticleReport>, Failure> {
         let request = Request {
             step: request.step,
             pass: request.pass,
@@ -81,12 +83,16 @@ impl ParticleEngine for Engine {
             tolerance: request.tolerance,
         };
         let forces = Forces {
-            drag: fluid.drag,
-            force: fluid.force.map(vectors).transpose().map_err(failure)?,
+            drag: inputs.get(Field::GrainDrag),
+            force: inputs
+                .get(Field::GrainForce)
+                .map(vectors)
+                .transpose()
+                .map_err(failure)?,
         };
         let solver = self.solver.as_mut().ok_or_else(not_configured)?;
         let candidate = solver.advance(&request, &forces).map_err(failure)?;
-        write(candidate, answer)?;
+        write(candidate, outputs)?;
         if candidate.report.candidates > 0 && !self.met {
             tracing::info!(
                 step = request.step,
@@ -94,11 +100,14 @@ impl ParticleEngine for Engine {
             );
             self.met = true;
         }
-        let mut numbers = diagnostics(candidate);
+        let (report, mut numbers) = told(candidate)?;
         let [searches, looks] = [0, 1].map(|k| (solver.searches()[k] - self.counted[k]) as f64);
         numbers.push(named("contact_searches", searches));
         numbers.push(named("wall_looks", looks));
-        Ok(numbers)
+        Ok(Computed {
+            report,
+            diagnostics: numbers,
+        })
     }
 
     fn commit(&mut self) -> Result<(), Failure> {
@@ -143,13 +152,11 @@ fn failure(error: Error) -> Failure {
 }
 
 fn build(scene: &ParticleScene, grains: &InitialGrains) -> Result<ContactEngine<2>, Error> {
-    let facet = |wall: &Wall| Facet {
-        corners: [wall.a, wall.b].map(Vector::from),
-    };
+    let walls: Result<Vec<Facet<2>>, String> = scene.walls.iter().map(facet).collect();
     let setup = Setup {
-        gravity: Vector::from(scene.gravity),
-        walls: scene.walls.iter().map(facet).collect(),
-        period: scene.period,
+        gravity: Vector::from(fixed(&scene.gravity).map_err(Error::Setup)?),
+        walls: walls.map_err(Error::Setup)?,
+        period: fixed(&scene.period).map_err(Error::Setup)?,
         friction: scene.friction,
         wall_friction: scene.wall_friction,
         inertia_factor: scene.inertia_factor,
@@ -168,6 +175,16 @@ fn build(scene: &ParticleScene, grains: &InitialGrains) -> Result<ContactEngine<
     ContactEngine::new(setup, properties, state)
 }
 
+/// A wall of the scene: as many corners as dimensions.
+fn facet<const D: usize>(wall: &Wall) -> Result<Facet<D>, String> {
+    let corners = wall.corners.iter();
+    let corners: Result<Vec<[f64; D]>, String> = corners.map(|corner| fixed(corner)).collect();
+    let corners = fixed::<D, [f64; D]>(&corners?)?;
+    Ok(Facet {
+        corners: corners.map(Vector::from),
+    })
+}
+
 /// Vectors from interleaved components.
 fn vectors<const D: usize>(interleaved: &[f64]) -> Result<&[Vector<D>], Error> {
     flat::vectors(interleaved).ok_or_else(|| {
@@ -179,16 +196,23 @@ fn vectors<const D: usize>(interleaved: &[f64]) -> Result<&[Vector<D>], Error> {
 }
 
 /// Write a candidate into the coupler's buffers.
-fn write(candidate: &Candidate<2>, answer: GrainAnswer<'_>) -> Result<(), Failure> {
+fn write(candidate: &Candidate<2>, mut outputs: Outputs<'_>) -> Result<(), Failure> {
     let vectors = [
-        (answer.position, flat::numbers(&candidate.state.position)),
-        (answer.velocity, flat::numbers(&candidate.state.velocity)),
         (
-            answer.mean_velocity,
+            Field::GrainPosition,
+            flat::numbers(&candidate.state.position),
+        ),
+        (
+            Field::GrainVelocity,
+            flat::numbers(&candidate.state.velocity),
+        ),
+        (
+            Field::GrainMeanVelocity,
             flat::numbers(&candidate.mean_velocity),
         ),
     ];
-    for (target, source) in vectors {
+    for (field, source) in vectors {
+        let target = outputs.take(field);
         if target.len() != source.len() {
             let why = format!(
                 "room for {} numbers, {} to write",
@@ -199,17 +223,23 @@ fn write(candidate: &Candidate<2>, answer: GrainAnswer<'_>) -> Result<(), Failur
         }
         target.copy_from_slice(source);
     }
-    for (target, source) in answer.contact.iter_mut().zip(&candidate.contact) {
+    let contact = outputs.take(Field::GrainContact);
+    for (target, source) in contact.iter_mut().zip(&candidate.contact) {
         *target = f64::from(*source);
     }
     Ok(())
 }
 
-fn diagnostics(candidate: &Candidate<2>) -> Vec<Diagnostic> {
+/// What the coupler goes by, and numbers for people.
+fn told(candidate: &Candidate<2>) -> Result<(ParticleReport, Vec<Diagnostic>), Failure> {
     let report = &candidate.report;
-    vec![
-        named("sub_steps", f64::from(report.sub_steps)),
-        named("contacts", report.contacts as f64),
+    let typed = ParticleReport::new(report.sub_steps)
+        .ok_or_else(|| Failure::new(FailureKind::Engine, "a candidate of no sub-step"))?;
+    let typed = ParticleReport {
+        touching: Some(report.contacts as u64),
+        ..typed
+    };
+    let numbers = vec![
         named("contact_candidates", report.candidates as f64),
         named("contact_sweeps", report.sweeps as f64),
         named("contact_residual", report.residual.rms),
@@ -217,7 +247,8 @@ fn diagnostics(candidate: &Candidate<2>) -> Vec<Diagnostic> {
         named("contact_attempts", report.attempts as f64),
         named("penetration_max", report.penetration_max),
         named("kinetic_energy", report.kinetic_energy),
-    ]
+    ];
+    Ok((typed, numbers))
 }
 
 fn named(name: &str, value: f64) -> Diagnostic {

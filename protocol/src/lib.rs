@@ -20,7 +20,7 @@ mod transport;
 pub use coupler::partner;
 pub use language::error::Error;
 pub use language::header::PROTOCOL_VERSION;
-pub use language::{codec, engine, error, field, header, message, scene};
+pub use language::{codec, engine, error, field, header, message, report, scene};
 pub use run::{process, runspace};
 pub use transport::{channel, ipc, local};
 

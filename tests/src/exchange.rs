@@ -9,14 +9,15 @@ use std::time::Duration;
 
 use protocol::Error;
 use protocol::channel::{Channel, Wait};
-use protocol::engine::{FluidForces, GrainAnswer, InitialGrains, ParticleEngine, serve_particles};
+use protocol::engine::{Computed, InitialGrains, Inputs, Outputs, ParticleEngine, serve_particles};
 use protocol::field::Field;
 use protocol::header::{Expected, FieldHeader, Stage, require_finite};
 use protocol::ipc::{coupler_link, engine_link};
 use protocol::local::{self, LIMITS};
-use protocol::message::{Advance, Capability, Diagnostic, Failure, Role};
+use protocol::message::{Advance, Capability, Failure, Role};
 use protocol::partner::Partner;
 use protocol::process;
+use protocol::report::ParticleReport;
 use protocol::runspace::RunSpace;
 use protocol::scene::ParticleScene;
 
@@ -55,15 +56,14 @@ impl ParticleEngine for Doubler {
     fn advance(
         &mut self,
         _: &Advance,
-        fluid: &FluidForces<'_>,
-        answer: GrainAnswer<'_>,
-    ) -> Result<Vec<Diagnostic>, Failure> {
-        let force = fluid.force.unwrap_or_default();
-        double(force, answer.position);
-        double(force, answer.velocity);
-        double(force, answer.mean_velocity);
-        double(force, answer.contact);
-        Ok(Vec::new())
+        inputs: &Inputs<'_>,
+        outputs: Outputs<'_>,
+    ) -> Result<Computed<ParticleReport>, Failure> {
+        let force = inputs.get(Field::GrainForce).unwrap_or_default();
+        for (_, room) in outputs.into_all() {
+            double(force, room);
+        }
+        Ok(ParticleReport::one_step().into())
     }
     fn commit(&mut self) -> Result<(), Failure> {
         Ok(())
@@ -108,9 +108,10 @@ impl Steps {
     ) -> Result<Steps, Error> {
         let grains = numbers / 2;
         let scene = ParticleScene {
-            gravity: [0.0, 0.0],
+            dimension: 2,
+            gravity: vec![0.0, 0.0],
             walls: Vec::new(),
-            period: [None, None],
+            period: vec![None, None],
             friction: 0.0,
             wall_friction: 0.0,
             inertia_factor: 0.5,
@@ -120,6 +121,7 @@ impl Steps {
             threads: 1,
         };
         let at_rest = InitialGrains {
+            dimension: 2,
             position: vec![0.0; 2 * grains],
             velocity: vec![0.0; 2 * grains],
             radius: vec![1.0; grains],
@@ -226,6 +228,7 @@ fn expected(field: Field, count: usize) -> Expected {
         step: 1,
         pass: 0,
         stage: Stage::Advance,
+        dimension: 2,
         entities: count / 2,
         time: 0.0,
     }
@@ -286,7 +289,7 @@ impl Socket {
     pub fn round_trip(&mut self) -> std::io::Result<()> {
         self.stream.write_all(bytes(&self.force))?;
         self.stream.read_exact(bytes_mut(&mut self.answer))?;
-        require_finite("socket", 1, Field::GrainVelocity, &self.answer)
+        require_finite("socket", 1, (Field::GrainVelocity, 2), &self.answer)
             .map_err(std::io::Error::other)
     }
 
@@ -305,7 +308,8 @@ fn serve_socket() -> std::io::Result<()> {
     stream.read_exact(bytes_mut(&mut counts))?;
     let (mut input, mut output) = (vec![0.0; counts[0] as usize], vec![0.0; counts[1] as usize]);
     while stream.read_exact(bytes_mut(&mut input)).is_ok() {
-        require_finite("socket", 1, Field::GrainForce, &input).map_err(std::io::Error::other)?;
+        require_finite("socket", 1, (Field::GrainForce, 2), &input)
+            .map_err(std::io::Error::other)?;
         double(&input, &mut output);
         stream.write_all(bytes(&output))?;
     }

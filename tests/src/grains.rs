@@ -8,6 +8,7 @@ use protocol::engine::InitialGrains;
 pub fn disks(centres: &[[f64; 2]], radii: &[f64], density: f64) -> InitialGrains {
     let volume: Vec<f64> = radii.iter().map(|radius| PI * radius * radius).collect();
     InitialGrains {
+        dimension: 2,
         position: centres.iter().flatten().copied().collect(),
         velocity: vec![0.0; 2 * centres.len()],
         radius: radii.to_vec(),

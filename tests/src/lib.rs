@@ -34,15 +34,16 @@ pub fn fluid(
 ) -> FluidScene {
     let sides = ["left", "right", "bottom", "top"];
     FluidScene {
+        dimension: 2,
         density,
         dynamic_viscosity: viscosity,
-        gravity,
+        gravity: gravity.to_vec(),
         mesh: MeshSource::Rectangle {
-            lower,
-            upper,
-            cells,
+            lower: lower.to_vec(),
+            upper: upper.to_vec(),
+            cells: cells.to_vec(),
             diagonals: Diagonals::Alternate,
-            grading: [1.0, 1.0],
+            grading: vec![1.0, 1.0],
         },
         boundaries: sides
             .into_iter()
@@ -53,7 +54,7 @@ pub fn fluid(
         nonlinear: Nonlinear::Picard,
         viscous_form: ViscousForm::Symmetric,
         grad_div: 1.0,
-        initial_velocity: [0.0, 0.0],
+        initial_velocity: vec![0.0, 0.0],
         threads: 1,
     }
 }
@@ -79,9 +80,10 @@ pub fn with_uniform_diagonals(mut scene: FluidScene) -> FluidScene {
 /// Frictionless grains without walls.
 pub fn particles(gravity: [f64; 2]) -> ParticleScene {
     ParticleScene {
-        gravity,
+        dimension: 2,
+        gravity: gravity.to_vec(),
         walls: Vec::new(),
-        period: [None, None],
+        period: vec![None, None],
         friction: 0.0,
         wall_friction: 0.0,
         inertia_factor: 0.5,
@@ -96,10 +98,7 @@ pub fn particles(gravity: [f64; 2]) -> ParticleScene {
 pub fn box_walls(lower: [f64; 2], upper: [f64; 2]) -> Vec<Wall> {
     let corners = [lower, [upper[0], lower[1]], upper, [lower[0], upper[1]]];
     (0..4)
-        .map(|side| Wall {
-            a: corners[side],
-            b: corners[(side + 1) % 4],
-        })
+        .map(|side| Wall::segment(corners[side], corners[(side + 1) % 4]))
         .collect()
 }
 
@@ -112,13 +111,14 @@ pub fn scene(
 ) -> CouplerScene {
     let gravity = fluid
         .as_ref()
-        .map(|part| part.gravity)
-        .or(particles.as_ref().map(|part| part.gravity));
+        .map(|part| part.gravity.clone())
+        .or(particles.as_ref().map(|part| part.gravity.clone()));
     CouplerScene {
+        dimension: 2,
         end_time: coupling_step * steps as f64,
         coupling_step,
         adaptive: None,
-        gravity: gravity.unwrap_or([0.0, 0.0]),
+        gravity: gravity.unwrap_or(vec![0.0, 0.0]),
         fluid,
         particles,
         grains_stay: false,

@@ -121,7 +121,7 @@ fn held_bed() -> Case {
     let (lower, upper) = ([0.0, 0.0], [width, height]);
     let fluid = fluid(density, viscosity, GRAVITY, lower, upper, [1, LAYERS / 4]);
     let inflow = Boundary::Inflow {
-        velocity: [0.0, speed],
+        velocity: vec![0.0, speed],
         profile: Profile::Uniform,
     };
     let conditions = [
@@ -131,14 +131,13 @@ fn held_bed() -> Case {
         ("top", Boundary::Open { pressure: 0.0 }),
     ];
     let mut fluid = with_uniform_diagonals(with_boundaries(fluid, &conditions));
-    fluid.initial_velocity = [0.0, speed];
+    fluid.initial_velocity = vec![0.0, speed];
     let mut engine = particles(GRAVITY);
     let slack = 1e-9 * RADIUS;
-    let wall = |a: [f64; 2], b: [f64; 2]| Wall { a, b };
     engine.walls = vec![
-        wall([-slack, 2.0 * height], [-slack, 0.0]),
-        wall([-slack, 0.0], [width + slack, 0.0]),
-        wall([width + slack, 0.0], [width + slack, 2.0 * height]),
+        Wall::segment([-slack, 2.0 * height], [-slack, 0.0]),
+        Wall::segment([-slack, 0.0], [width + slack, 0.0]),
+        Wall::segment([width + slack, 0.0], [width + slack, 2.0 * height]),
     ];
     let mut scene = scene(Some(fluid), Some(engine), 1e-4, 4);
     scene.smoothing_length = Some(0.0);
@@ -169,7 +168,7 @@ fn dry_collapse() -> Case {
 /// The lid-driven cavity with convection by Newton and BDF2, no grains.
 fn cavity() -> Case {
     let lid = Boundary::Inflow {
-        velocity: [1.0, 0.0],
+        velocity: vec![1.0, 0.0],
         profile: Profile::Uniform,
     };
     let fluid = fluid(1.0, 1e-2, [0.0, 0.0], [0.0, 0.0], [1.0, 1.0], [12, 12]);

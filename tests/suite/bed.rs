@@ -38,14 +38,14 @@ fn column(width: f64, height: f64, cells: [usize; 2], speed: f64) -> protocol::s
             (
                 "bottom",
                 Boundary::Inflow {
-                    velocity: [0.0, speed],
+                    velocity: vec![0.0, speed],
                     profile: Profile::Uniform,
                 },
             ),
             ("top", Boundary::Open { pressure: 0.0 }),
         ],
     ));
-    scene.initial_velocity = [0.0, speed];
+    scene.initial_velocity = vec![0.0, speed];
     scene
 }
 
@@ -79,7 +79,7 @@ fn the_pressure_drop_of_a_bed_of_frozen_grains_on_a_lattice_is_the_closed_form()
             GLASS,
         ));
         let mut engine = particles(GRAVITY);
-        engine.period = [Some(width), None];
+        engine.period = vec![Some(width), None];
         let mut scene = scene(
             Some(column(width, height, [2, 8], speed)),
             Some(engine),
@@ -142,7 +142,7 @@ fn touching_column() -> Bed {
 fn bed_scene(bed: &Bed, speed: f64, dt: f64) -> CouplerScene {
     let mut engine = particles(GRAVITY);
     let slack = 1e-9 * RADIUS;
-    let wall = |a: [f64; 2], b: [f64; 2]| Wall { a, b };
+    let wall = Wall::segment;
     engine.walls = vec![
         wall([-slack, 2.0 * bed.height], [-slack, 0.0]),
         wall([-slack, 0.0], [bed.width + slack, 0.0]),

@@ -20,6 +20,7 @@ fn suspension(porosity: f64, ratio: f64) -> (InitialGrains, f64) {
     let centres = lattice([0.0, 0.0], spacing, [PER_CELL, PER_CELL * ROWS]);
     let count = centres.len();
     let grains = InitialGrains {
+        dimension: 2,
         position: centres.into_iter().flatten().collect(),
         velocity: vec![0.0; 2 * count],
         radius: vec![0.1 * radius; count],
@@ -87,7 +88,7 @@ fn settle(scheme: Scheme, porosity: f64, stiffness: f64, ratio: f64) -> (f64, f6
         ],
     ));
     let mut engine = particles([0.0, -gravity]);
-    engine.period = [Some(width), None];
+    engine.period = vec![Some(width), None];
     let mut setup = scene(Some(fluid), Some(engine), dt, STEPS);
     setup.drag = DragLaw::Stokes;
     setup.scheme = scheme;

@@ -65,6 +65,7 @@ fn one_way(
         Geometry::Sphere { .. } => 4.0 / 3.0 * disk * material.radius,
     };
     let grains = InitialGrains {
+        dimension: 2,
         position: vec![0.1 * half, 0.2 * half],
         velocity: vec![0.0, -speed],
         radius: vec![material.radius],

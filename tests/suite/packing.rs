@@ -18,7 +18,7 @@ const STEP_OF_DIAMETER: f64 = 0.05;
 
 fn container(friction: f64, gravity: f64) -> ParticleScene {
     let mut engine = particles([0.0, -gravity]);
-    let wall = |a: [f64; 2], b: [f64; 2]| Wall { a, b };
+    let wall = Wall::segment;
     engine.walls = vec![
         wall([0.0, 4.0 * HEIGHT], [0.0, 0.0]),
         wall([0.0, 0.0], [WIDTH, 0.0]),
@@ -99,7 +99,7 @@ fn through_flow(friction: f64, gravity: f64, speed: f64, dt: f64) -> CouplerScen
             (
                 "bottom",
                 Boundary::Inflow {
-                    velocity: [0.0, speed],
+                    velocity: vec![0.0, speed],
                     profile: Profile::Uniform,
                 },
             ),

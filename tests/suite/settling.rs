@@ -42,11 +42,8 @@ fn the_settling_front_of_a_column_moves_at_the_kynch_speed() {
             ],
         ));
         let mut engine = particles(GRAVITY);
-        engine.period = [Some(width), None];
-        engine.walls = vec![Wall {
-            a: [-width, 0.0],
-            b: [2.0 * width, 0.0],
-        }];
+        engine.period = vec![Some(width), None];
+        engine.walls = vec![Wall::segment([-width, 0.0], [2.0 * width, 0.0])];
         engine.tolerance = 1e-3;
         let dt = 0.01;
         let scene = scene(Some(fluid), Some(engine), dt, 1);
@@ -325,7 +322,7 @@ fn jittered(stiffness: f64, steps: usize, correction: bool) -> f64 {
         ],
     ));
     let mut engine = particles([0.0, -gravity]);
-    engine.period = [Some(width), None];
+    engine.period = vec![Some(width), None];
     let mut scene = scene(Some(fluid), Some(engine), dt, steps);
     scene.drag = DragLaw::Stokes;
     scene.scheme = Scheme::Staggered;

@@ -7,7 +7,6 @@ use crate::coupled::outcome::Outcome;
 use crate::coupled::step::Coupled;
 use crate::error::CouplerError;
 use crate::report::StepReport;
-use crate::seats::request::value;
 use crate::state::{Contact, State, require_finite};
 
 impl<const D: usize, const N: usize> Coupled<D, N>
@@ -20,7 +19,7 @@ where
         let (pass, step) = (&outcome.pass, state.step + 1);
         require_finite(&pass.grains.position, step, "a grain's position")?;
         require_finite(&pass.flow.velocity, step, "the fluid's velocity")?;
-        let solid_power = value(&self.engines.fluid.diagnostics, "solid_power").unwrap_or(f64::NAN);
+        let solid_power = self.engines.fluid.report.solid_power.unwrap_or(f64::NAN);
         let (immersion, grains) = (&self.immersion, &state.grains);
         let report = StepReport {
             dt,

@@ -65,8 +65,8 @@ pub fn contact_numbers(contact: &[Contact]) -> Vec<f64> {
 pub(super) fn mesh<const D: usize, const N: usize>(
     told: &MeshDescription,
 ) -> Result<Mesh<D, N>, CouplerError> {
-    let corners = vectors::<D>(told.triangle_position.as_flattened(), "triangle_position")?;
-    let nodes = told.triangles.as_flattened();
+    let corners = vectors::<D>(&told.simplex_position, "simplex_position")?;
+    let nodes = &told.simplex_nodes;
     Ok(Mesh {
         node_position: vectors(&told.node_position, "node_position")?,
         simplices: nodes.as_chunks().0.to_vec(),

@@ -7,6 +7,7 @@ use protocol::field::Field;
 use protocol::message::{Capability, Diagnostic};
 use protocol::partner::Partner;
 use protocol::process;
+use protocol::report::{FluidReport, Report};
 use protocol::scene::FluidScene;
 use space::flat;
 
@@ -31,7 +32,9 @@ pub struct FluidSeat<const D: usize, const N: usize> {
     pressure: Vec<f64>,
     /// Is it that of the last candidate?
     pressure_is_new: bool,
-    /// Numbers of the last candidate.
+    /// What the engine told of the last candidate.
+    pub report: FluidReport,
+    /// Numbers of the last candidate, for people.
     pub diagnostics: Vec<Diagnostic>,
     /// Wall time waited for it \[s\].
     pub wall: f64,
@@ -53,6 +56,7 @@ impl<const D: usize, const N: usize> FluidSeat<D, N> {
             pressure: vec![0.0; description.nodal_mass.len()],
             description,
             pressure_is_new: true,
+            report: FluidReport::default(),
             diagnostics: Vec::new(),
             wall: 0.0,
         })
@@ -91,6 +95,9 @@ impl<const D: usize, const N: usize> FluidSeat<D, N> {
         let request = request.advance(0, 0.0);
         let done = self.partner.advance(&request, &inputs, &mut outputs)?;
         self.pressure_is_new = !self.withheld.contains(&Field::Pressure);
+        if let Report::Fluid(report) = done.report {
+            self.report = report;
+        }
         self.diagnostics = done.diagnostics;
         let flow = Flow {
             velocity: door::vectors(&velocity, "interstitial_velocity")?,

@@ -3,15 +3,17 @@
 use std::time::Instant;
 
 use protocol::engine::InitialGrains;
+use protocol::error::Error;
 use protocol::field::Field;
 use protocol::message::{Capability, Diagnostic};
 use protocol::partner::Partner;
+use protocol::report::{ParticleReport, Report};
 use protocol::scene::ParticleScene;
 use space::{Vector, flat};
 
 use crate::error::CouplerError;
 use crate::seats::door::{self, can, withhold};
-use crate::seats::request::{Request, value};
+use crate::seats::request::Request;
 use crate::state::{Candidate, Contact, Grains};
 
 /// What the fluid does to the grains.
@@ -45,7 +47,9 @@ pub struct Engine {
     withheld: Vec<Field>,
     /// Contact residual asked of it, of |g|Δt.
     tolerance: f64,
-    /// Numbers of the last candidate.
+    /// What the engine told of the last candidate; none before the first.
+    report: Option<ParticleReport>,
+    /// Numbers of the last candidate, for people.
     diagnostics: Vec<Diagnostic>,
     /// Wall time waited for it \[s\].
     wall: f64,
@@ -66,6 +70,7 @@ impl<const D: usize> ParticleSeat<D> {
             withheld: withhold(&mut partner, unread)?,
             partner,
             tolerance,
+            report: None,
             diagnostics: Vec::new(),
             wall: 0.0,
         };
@@ -102,7 +107,15 @@ impl<const D: usize> ParticleSeat<D> {
         }
     }
 
-    /// Numbers of the last candidate.
+    /// Contacts that carry an impulse in the last candidate, where the engine tells.
+    pub fn touching(&self) -> Option<u64> {
+        match self {
+            ParticleSeat::Engine(engine) => engine.report.and_then(|report| report.touching),
+            ParticleSeat::Fixed(_) => None,
+        }
+    }
+
+    /// Numbers of the last candidate, for people.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         match self {
             ParticleSeat::Engine(engine) => &engine.diagnostics,
@@ -169,29 +182,21 @@ impl Engine {
         outputs.retain(|(field, _)| !self.withheld.contains(field));
         let advance = request.advance(sub_steps, self.tolerance);
         let done = self.partner.advance(&advance, &inputs, &mut outputs)?;
+        let Report::Particles(report) = done.report else {
+            let why = "it is that of a fluid";
+            return Err(Error::invalid("particles", request.step, "report", why).into());
+        };
+        self.report = Some(report);
         self.diagnostics = done.diagnostics;
         let candidate = Candidate {
             position: door::vectors(&position, "grain_position")?,
             velocity: door::vectors(&velocity, "grain_velocity")?,
             mean_velocity: door::vectors(&mean, "grain_mean_velocity")?,
             contact: door::contacts(&contact, request.step)?,
-            sub_steps: self.sub_steps(request.step)?,
+            sub_steps: report.sub_steps.get(),
         };
         self.wall += begin.elapsed().as_secs_f64();
         Ok(candidate)
-    }
-
-    /// Sub-steps of a candidate: the response that the fluid is told is a mean over them, so an engine
-    /// must say how many it took.
-    fn sub_steps(&self, step: u64) -> Result<u32, CouplerError> {
-        match value(&self.diagnostics, "sub_steps") {
-            Some(count) if count >= 1.0 => Ok(count as u32),
-            told => Err(CouplerError::SubSteps {
-                engine: self.partner.hello().engine.clone(),
-                step,
-                told: told.map_or("nothing".to_owned(), |count| format!("{count}")),
-            }),
-        }
     }
 }
 

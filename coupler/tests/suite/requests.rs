@@ -5,11 +5,12 @@ use std::sync::{Arc, Mutex};
 
 use coupler::simulation::Simulation;
 use protocol::engine::{
-    FluidAnswer, FluidEngine, FluidForces, GrainAnswer, InitialGrains, MeshDescription,
-    ParticleEngine, SolidResponse,
+    Computed, FluidEngine, InitialGrains, Inputs, MeshDescription, Outputs, ParticleEngine,
 };
+use protocol::field::Field;
 use protocol::local::{LIMITS, spawn_fluid, spawn_particles};
-use protocol::message::{Advance, Diagnostic, Failure};
+use protocol::message::{Advance, Failure};
+use protocol::report::{FluidReport, ParticleReport};
 use protocol::scene::{
     Boundary, Convection, CouplerScene, Diagonals, DragLaw, FluidScene, Geometry, MeshSource,
     Nonlinear, ParticleScene, Scheme, TimeScheme, ViscousForm,
@@ -31,25 +32,23 @@ impl FluidEngine for Still {
     fn configure(&mut self, _: &FluidScene) -> Result<MeshDescription, Failure> {
         Ok(MeshDescription {
             node_position: vec![0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0],
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-            triangle_position: vec![
-                [0.0, 0.0, 1.0, 0.0, 1.0, 1.0],
-                [0.0, 0.0, 1.0, 1.0, 0.0, 1.0],
-            ],
+            dimension: 2,
+            simplex_nodes: vec![0, 1, 2, 0, 2, 3],
+            simplex_position: vec![0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 1.0],
             nodal_mass: vec![1.0 / 3.0, 1.0 / 6.0, 1.0 / 3.0, 1.0 / 6.0],
-            period: [None, None],
+            period: vec![None, None],
         })
     }
     fn advance(
         &mut self,
         _: &Advance,
-        _: &SolidResponse<'_>,
-        answer: FluidAnswer<'_>,
-    ) -> Result<Vec<Diagnostic>, Failure> {
-        answer.interstitial_velocity.fill(0.0);
-        answer.pressure_gradient.fill(0.0);
-        answer.pressure.fill(0.0);
-        Ok(Vec::new())
+        _: &Inputs<'_>,
+        outputs: Outputs<'_>,
+    ) -> Result<Computed<FluidReport>, Failure> {
+        for (_, room) in outputs.into_all() {
+            room.fill(0.0);
+        }
+        Ok(FluidReport::default().into())
     }
     fn commit(&mut self) -> Result<(), Failure> {
         Ok(())
@@ -65,7 +64,6 @@ impl FluidEngine for Still {
 /// One grain that touches something, and an engine that keeps what it is asked.
 struct Touching {
     asked: Asked,
-    sub_steps: Option<f64>,
     grains: InitialGrains,
 }
 
@@ -87,19 +85,16 @@ impl ParticleEngine for Touching {
     fn advance(
         &mut self,
         request: &Advance,
-        _: &FluidForces<'_>,
-        answer: GrainAnswer<'_>,
-    ) -> Result<Vec<Diagnostic>, Failure> {
+        _: &Inputs<'_>,
+        mut outputs: Outputs<'_>,
+    ) -> Result<Computed<ParticleReport>, Failure> {
         self.asked.lock().expect("one thread").push(request.pass);
-        answer.position.copy_from_slice(&self.grains.position);
-        answer.velocity.fill(0.0);
-        answer.mean_velocity.fill(0.0);
-        answer.contact.fill(1.0);
-        let told = |value| Diagnostic {
-            name: "sub_steps".to_owned(),
-            value,
-        };
-        Ok(self.sub_steps.map(told).into_iter().collect())
+        let position = outputs.take(Field::GrainPosition);
+        position.copy_from_slice(&self.grains.position);
+        outputs.take(Field::GrainVelocity).fill(0.0);
+        outputs.take(Field::GrainMeanVelocity).fill(0.0);
+        outputs.take(Field::GrainContact).fill(1.0);
+        Ok(ParticleReport::one_step().into())
     }
     fn commit(&mut self) -> Result<(), Failure> {
         Ok(())
@@ -113,17 +108,18 @@ impl ParticleEngine for Touching {
 }
 
 fn scene(scheme: Scheme) -> CouplerScene {
-    let gravity = [0.0, 0.0];
+    let gravity = vec![0.0, 0.0];
     let fluid = FluidScene {
+        dimension: 2,
         density: 1000.0,
         dynamic_viscosity: 1e-3,
-        gravity,
+        gravity: gravity.clone(),
         mesh: MeshSource::Rectangle {
-            lower: [0.0, 0.0],
-            upper: [1.0, 1.0],
-            cells: [1, 1],
+            lower: vec![0.0, 0.0],
+            upper: vec![1.0, 1.0],
+            cells: vec![1, 1],
             diagonals: Diagonals::Uniform,
-            grading: [1.0, 1.0],
+            grading: vec![1.0, 1.0],
         },
         boundaries: [("all".to_owned(), Boundary::NoSlip)].into(),
         convection: Convection::Never,
@@ -131,13 +127,14 @@ fn scene(scheme: Scheme) -> CouplerScene {
         nonlinear: Nonlinear::Picard,
         viscous_form: ViscousForm::Symmetric,
         grad_div: 1.0,
-        initial_velocity: [0.0, 0.0],
+        initial_velocity: vec![0.0, 0.0],
         threads: 1,
     };
     let particles = ParticleScene {
-        gravity,
+        dimension: 2,
+        gravity: gravity.clone(),
         walls: Vec::new(),
-        period: [None, None],
+        period: vec![None, None],
         friction: 0.0,
         wall_friction: 0.0,
         inertia_factor: 0.5,
@@ -147,6 +144,7 @@ fn scene(scheme: Scheme) -> CouplerScene {
         threads: 1,
     };
     CouplerScene {
+        dimension: 2,
         end_time: 1.0,
         coupling_step: 0.1,
         adaptive: None,
@@ -167,6 +165,7 @@ fn scene(scheme: Scheme) -> CouplerScene {
 
 fn one_grain() -> InitialGrains {
     InitialGrains {
+        dimension: 2,
         position: vec![0.4, 0.5],
         velocity: vec![0.0, 0.0],
         radius: vec![0.01],
@@ -176,11 +175,10 @@ fn one_grain() -> InitialGrains {
     }
 }
 
-fn couple(scheme: Scheme, sub_steps: Option<f64>, asked: &Asked) -> Simulation<2, 3> {
+fn couple(scheme: Scheme, asked: &Asked) -> Simulation<2, 3> {
     let asked = Arc::clone(asked);
     let particles = spawn_particles(move || Touching {
         asked,
-        sub_steps,
         grains: InitialGrains::default(),
     });
     let fluid = spawn_fluid(|| Still).expect("a fluid");
@@ -204,7 +202,7 @@ fn only_schemes_with_a_response_predict_contacts_before_the_first_pass() {
     println!("| scheme | passes asked of the grains in two steps |");
     for (scheme, expected) in cases {
         let asked = Asked::default();
-        let mut coupling = couple(scheme, Some(1.0), &asked);
+        let mut coupling = couple(scheme, &asked);
         for _ in 0..2 {
             coupling
                 .advance(0.1)
@@ -213,17 +211,5 @@ fn only_schemes_with_a_response_predict_contacts_before_the_first_pass() {
         let passes = asked.lock().expect("one thread").clone();
         println!("| {scheme:?} | {passes:?} |");
         assert_eq!(passes, expected, "{scheme:?}");
-    }
-}
-
-#[test]
-fn an_engine_that_does_not_tell_its_sub_steps_is_named() {
-    for told in [None, Some(0.0)] {
-        let error = couple(Scheme::Staggered, told, &Asked::default())
-            .advance(0.1)
-            .expect_err("no number of sub-steps");
-        println!("{error}");
-        assert!(error.to_string().contains("`touching`"), "{error}");
-        assert_eq!(error.exit_code(), 7);
     }
 }

@@ -3,8 +3,10 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use protocol::engine::{FluidForces, GrainAnswer, InitialGrains, ParticleEngine};
-use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
+use protocol::engine::{Computed, InitialGrains, Inputs, Outputs, ParticleEngine};
+use protocol::field::Field;
+use protocol::message::{Advance, Capability, Failure, FailureKind};
+use protocol::report::ParticleReport;
 use protocol::scene::ParticleScene;
 
 /// All that a checkpoint holds.
@@ -49,17 +51,16 @@ impl ParticleEngine for Engine {
     fn advance(
         &mut self,
         _request: &Advance,
-        _fluid: &FluidForces<'_>,
-        answer: GrainAnswer<'_>,
-    ) -> Result<Vec<Diagnostic>, Failure> {
-        answer.position.copy_from_slice(&self.position);
-        answer.velocity.fill(0.0);
-        answer.mean_velocity.fill(0.0);
-        answer.contact.fill(HELD);
-        Ok(vec![Diagnostic {
-            name: "sub_steps".to_owned(),
-            value: 1.0,
-        }])
+        _inputs: &Inputs<'_>,
+        mut outputs: Outputs<'_>,
+    ) -> Result<Computed<ParticleReport>, Failure> {
+        outputs
+            .take(Field::GrainPosition)
+            .copy_from_slice(&self.position);
+        outputs.take(Field::GrainVelocity).fill(0.0);
+        outputs.take(Field::GrainMeanVelocity).fill(0.0);
+        outputs.take(Field::GrainContact).fill(HELD);
+        Ok(ParticleReport::one_step().into())
     }
 
     fn commit(&mut self) -> Result<(), Failure> {

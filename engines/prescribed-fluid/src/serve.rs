@@ -4,9 +4,11 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use protocol::engine::{FluidAnswer, FluidEngine, MeshDescription, SolidResponse};
-use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
-use protocol::scene::{Boundary, Diagonals, FluidScene, MeshSource};
+use protocol::engine::{Computed, FluidEngine, Inputs, MeshDescription, Outputs};
+use protocol::field::Field;
+use protocol::message::{Advance, Capability, Failure, FailureKind};
+use protocol::report::FluidReport;
+use protocol::scene::{Boundary, Diagonals, FluidScene, MeshSource, fixed};
 
 use crate::formula::Formula;
 use crate::rectangle::{Mesh, Rectangle};
@@ -55,45 +57,50 @@ impl FluidEngine for Engine {
             cells,
             diagonals,
             grading,
-        } = scene.mesh
+        } = &scene.mesh
         else {
             return refuse(
                 "prescribed-fluid takes [fluid.domain] rectangle, not a mesh file".into(),
             );
         };
-        if grading != [1.0, 1.0] {
+        let plane = |vector: &[f64]| fixed(vector).map_err(unusable_scene);
+        let (lower, upper) = (plane(lower)?, plane(upper)?);
+        if plane(grading)? != [1.0, 1.0] {
             return refuse(format!(
                 "prescribed-fluid has uniform cells, grading is {grading:?}"
             ));
         }
         let is_periodic = |side: &str| scene.boundaries.get(side) == Some(&Boundary::Periodic);
         let periodic = [is_periodic("left"), is_periodic("bottom")];
-        let uniform = diagonals == Diagonals::Uniform;
+        let uniform = *diagonals == Diagonals::Uniform;
         self.mesh = Rectangle {
             lower,
             upper,
-            cells,
+            cells: fixed(cells).map_err(unusable_scene)?,
             uniform,
             periodic,
         }
         .mesh();
-        self.weight = scene.gravity.map(|g| scene.density * g);
+        self.weight = plane(&scene.gravity)?.map(|g| scene.density * g);
         let length = |axis: usize| periodic[axis].then(|| upper[axis] - lower[axis]);
         Ok(MeshDescription {
+            dimension: 2,
             node_position: self.mesh.position.clone(),
-            triangles: self.mesh.triangles.clone(),
-            triangle_position: self.mesh.corners.clone(),
+            simplex_nodes: self.mesh.triangles.as_flattened().to_vec(),
+            simplex_position: self.mesh.corners.as_flattened().to_vec(),
             nodal_mass: self.mesh.mass.clone(),
-            period: [length(0), length(1)],
+            period: vec![length(0), length(1)],
         })
     }
 
     fn advance(
         &mut self,
         request: &Advance,
-        _solid: &SolidResponse<'_>,
-        answer: FluidAnswer<'_>,
-    ) -> Result<Vec<Diagnostic>, Failure> {
+        _inputs: &Inputs<'_>,
+        mut outputs: Outputs<'_>,
+    ) -> Result<Computed<FluidReport>, Failure> {
+        let velocity = outputs.take(Field::InterstitialVelocity);
+        let pressure = outputs.take(Field::Pressure);
         let end = request.time + request.dt;
         let infinite = |why| Failure::new(FailureKind::NotFinite, why);
         for (node, [x, y]) in self.mesh.position.as_chunks::<2>().0.iter().enumerate() {
@@ -102,18 +109,18 @@ impl FluidEngine for Engine {
                     .velocity
                     .get(axis)
                     .map_or(Ok(0.0), |v| v.at(*x, *y, end));
-                answer.interstitial_velocity[2 * node + axis] = value.map_err(infinite)?;
+                velocity[2 * node + axis] = value.map_err(infinite)?;
             }
             let hydrostatic = self.weight[0] * x + self.weight[1] * y;
             let value = self
                 .pressure
                 .as_ref()
                 .map_or(Ok(hydrostatic), |p| p.at(*x, *y, end));
-            answer.pressure[node] = value.map_err(infinite)?;
+            pressure[node] = value.map_err(infinite)?;
         }
         self.mesh
-            .averaged_gradient(answer.pressure, answer.pressure_gradient);
-        Ok(Vec::new())
+            .averaged_gradient(pressure, outputs.take(Field::PressureGradient));
+        Ok(FluidReport::default().into())
     }
 
     fn commit(&mut self) -> Result<(), Failure> {
@@ -131,6 +138,10 @@ impl FluidEngine for Engine {
             Err(error) => Err(unusable(path, error)),
         }
     }
+}
+
+fn unusable_scene(why: String) -> Failure {
+    Failure::new(FailureKind::Scene, why)
 }
 
 fn unusable(path: &Path, why: impl std::fmt::Display) -> Failure {

@@ -1,12 +1,15 @@
 //! The particle seat: the only file that knows the protocol.
 
+use std::num::NonZeroU32;
 use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use protocol::engine::{FluidForces, GrainAnswer, InitialGrains, ParticleEngine};
+use protocol::engine::{Computed, InitialGrains, Inputs, Outputs, ParticleEngine};
+use protocol::field::Field;
 use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
-use protocol::scene::ParticleScene;
+use protocol::report::ParticleReport;
+use protocol::scene::{ParticleScene, Wall, fixed};
 use rapier2d_f64::prelude::PhysicsPipeline;
 
 use crate::contacts::{Contacts, crossing};
@@ -71,29 +74,24 @@ impl ParticleEngine for Engine {
             );
             return Err(Failure::new(FailureKind::Scene, why));
         }
-        let fixed: Vec<bool> = grains.fixed.iter().map(|&fixed| fixed != 0.0).collect();
-        for k in (0..grains.velocity.len()).filter(|k| fixed[k / 2]) {
+        let gravity = fixed(&scene.gravity).map_err(unusable_scene)?;
+        let walls: Result<Vec<Segment>, String> = scene.walls.iter().map(segment).collect();
+        let held: Vec<bool> = grains.fixed.iter().map(|&fixed| fixed != 0.0).collect();
+        for k in (0..grains.velocity.len()).filter(|k| held[k / 2]) {
             grains.velocity[k] = 0.0;
         }
         let inertia = grains.mass.iter().zip(&grains.radius);
         let model = Model {
             settings: self.settings,
-            gravity: scene.gravity,
-            walls: scene
-                .walls
-                .iter()
-                .map(|wall| Segment {
-                    a: wall.a,
-                    b: wall.b,
-                })
-                .collect(),
+            gravity,
+            walls: walls.map_err(unusable_scene)?,
             friction: [scene.friction, scene.wall_friction],
             inertia: inertia
                 .map(|(m, r)| scene.inertia_factor * m * r * r)
                 .collect(),
             radius: grains.radius.clone(),
             mass: grains.mass.clone(),
-            fixed,
+            fixed: held,
         };
         warn_of_overlap(&model);
         let accepted = World::new(&model, &grains.position, &grains.velocity);
@@ -110,9 +108,10 @@ impl ParticleEngine for Engine {
     fn advance(
         &mut self,
         request: &Advance,
-        fluid: &FluidForces<'_>,
-        answer: GrainAnswer<'_>,
-    ) -> Result<Vec<Diagnostic>, Failure> {
+        inputs: &Inputs<'_>,
+        mut outputs: Outputs<'_>,
+    ) -> Result<Computed<ParticleReport>, Failure> {
+        let [drag, force] = [Field::GrainDrag, Field::GrainForce].map(|field| inputs.get(field));
         let sub_steps = self.sub_steps(request)?;
         let Run {
             model,
@@ -128,9 +127,9 @@ impl ParticleEngine for Engine {
         };
         let start = places(accepted);
         let mut before = start.clone();
-        for _ in 0..sub_steps {
-            let dt = request.dt / f64::from(sub_steps);
-            let stepped = candidate.step(model, &mut pipeline, dt, fluid.drag, fluid.force);
+        for _ in 0..sub_steps.get() {
+            let dt = request.dt / f64::from(sub_steps.get());
+            let stepped = candidate.step(model, &mut pipeline, dt, drag, force);
             stepped.map_err(|grain| {
                 let why = format!("grain {grain} is no longer at a finite place");
                 Failure::new(FailureKind::NotFinite, why)
@@ -145,27 +144,34 @@ impl ParticleEngine for Engine {
             }
             before = after;
         }
+        let velocity = outputs.take(Field::GrainVelocity);
+        let mean_velocity = outputs.take(Field::GrainMeanVelocity);
         for k in 0..2 * count {
-            answer.velocity[k] = candidate.velocity(k / 2)[k % 2];
-            answer.mean_velocity[k] = (before[k] - start[k]) / request.dt;
+            velocity[k] = candidate.velocity(k / 2)[k % 2];
+            mean_velocity[k] = (before[k] - start[k]) / request.dt;
         }
-        answer.position.copy_from_slice(&before);
+        outputs.take(Field::GrainPosition).copy_from_slice(&before);
         let contacts = Contacts::of(candidate, model);
-        answer.contact.copy_from_slice(&contacts.state);
-        let iterations = f64::from(sub_steps) * f64::from(model.settings.iterations);
+        outputs
+            .take(Field::GrainContact)
+            .copy_from_slice(&contacts.state);
+        let iterations = f64::from(sub_steps.get()) * f64::from(model.settings.iterations);
         let numbers = [
-            ("sub_steps", f64::from(sub_steps)),
             ("contact_sweeps", SWEEPS * iterations),
-            ("contacts", contacts.active as f64),
             ("penetration_max", contacts.penetration),
             ("kinetic_energy", candidate.kinetic_energy(model)),
         ];
-        Ok(numbers
-            .map(|(name, value)| Diagnostic {
-                name: name.to_owned(),
-                value,
-            })
-            .to_vec())
+        let told = numbers.map(|(name, value)| Diagnostic {
+            name: name.to_owned(),
+            value,
+        });
+        Ok(Computed {
+            report: ParticleReport {
+                touching: Some(contacts.active as u64),
+                sub_steps,
+            },
+            diagnostics: told.to_vec(),
+        })
     }
 
     fn commit(&mut self) -> Result<(), Failure> {
@@ -200,9 +206,9 @@ impl ParticleEngine for Engine {
 }
 
 impl Engine {
-    fn sub_steps(&self, request: &Advance) -> Result<u32, Failure> {
-        if request.sub_steps > 0 {
-            return Ok(request.sub_steps);
+    fn sub_steps(&self, request: &Advance) -> Result<NonZeroU32, Failure> {
+        if let Some(asked) = NonZeroU32::new(request.sub_steps) {
+            return Ok(asked);
         }
         let needed = (request.dt / self.settings.sub_step_max).ceil().max(1.0);
         if needed > f64::from(self.sub_steps_max) {
@@ -212,7 +218,7 @@ impl Engine {
             );
             return Err(Failure::new(FailureKind::NotConverged, why));
         }
-        Ok(needed as u32)
+        Ok(NonZeroU32::new(needed as u32).unwrap_or(NonZeroU32::MIN))
     }
 }
 
@@ -233,6 +239,19 @@ fn warn_of_overlap(model: &Model) {
 
 fn not_configured() -> Failure {
     Failure::new(FailureKind::Engine, "the engine is not configured")
+}
+
+/// A wall of the scene, which must be in the plane.
+fn segment(wall: &Wall) -> Result<Segment, String> {
+    let [a, b] = match &wall.corners[..] {
+        [a, b] => [fixed(a)?, fixed(b)?],
+        other => return Err(format!("a wall with {} corners", other.len())),
+    };
+    Ok(Segment { a, b })
+}
+
+fn unusable_scene(why: String) -> Failure {
+    Failure::new(FailureKind::Scene, why)
 }
 
 fn unusable(path: &Path, why: impl std::fmt::Display) -> Failure {

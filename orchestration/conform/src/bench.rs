@@ -9,7 +9,7 @@ use protocol::codec;
 use protocol::engine::{InitialGrains, MeshDescription};
 use protocol::field::Field;
 use protocol::header::{Expected, FieldHeader, Stage};
-use protocol::messages::{Advance, Failure, FailureKind, ToCoupler, ToEngine};
+use protocol::message::{Advance, Failure, FailureKind, ToCoupler, ToEngine};
 use protocol::partner::Partner;
 use protocol::runspace::RunSpace;
 
@@ -202,7 +202,12 @@ impl<'a> Bench<'a> {
 
     /// The header that this input must have.
     pub fn header(&self, request: &Advance, field: Field) -> FieldHeader {
-        header(&self.partner, self.count, request, field)
+        header(
+            &self.partner,
+            (self.count, self.case.dimension()),
+            request,
+            field,
+        )
     }
 
     /// `Advance` with inputs and headers as given, right or wrong; not waiting for the answer.
@@ -299,13 +304,19 @@ fn hear_hello(case: &Case, runspace: &RunSpace, subject: &mut Subject) -> Result
 }
 
 /// The header that an input must have.
-pub fn header(partner: &Partner, count: usize, request: &Advance, field: Field) -> FieldHeader {
+pub fn header(
+    partner: &Partner,
+    (count, dimension): (usize, usize),
+    request: &Advance,
+    field: Field,
+) -> FieldHeader {
     let expected = Expected {
         field,
         epoch: partner.epoch(),
         step: request.step,
         pass: request.pass,
         stage: Stage::Advance,
+        dimension,
         entities: count,
         time: request.time,
     };
@@ -380,11 +391,9 @@ impl Candidate {
             }
             let mut pairs = ours.iter().zip(theirs);
             if let Some(place) = pairs.position(|(a, b)| a.to_bits() != b.to_bits()) {
-                let (name, index) = (field.name(), place / field.components());
-                let (first, second) = (ours[place], theirs[place]);
+                let (name, first, second) = (field.name(), ours[place], theirs[place]);
                 return Err(format!(
-                    "{which}: {name} differs at {index} (component {}): {first:e}, then {second:e}",
-                    place % field.components()
+                    "{which}: {name} differs at number {place}: {first:e}, then {second:e}"
                 ));
             }
         }

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use protocol::configure::{FluidScene, Geometry, Limits, ParticleScene};
 use protocol::engine::InitialGrains;
 use protocol::field::Field;
 use protocol::field::{FROM_FLUID, FROM_PARTICLES};
-use protocol::messages::{Advance, Capability, Role};
+use protocol::message::{Advance, Capability, Role};
+use protocol::scene::{FluidScene, Geometry, Limits, ParticleScene};
 
 use scene::document::Document;
 use scene::{Error, Scene};
@@ -85,6 +85,14 @@ impl Case {
         })
     }
 
+    /// Dimension of the space.
+    pub fn dimension(&self) -> usize {
+        match &self.part {
+            Part::Fluid(scene) => scene.dimension,
+            Part::Particles(scene, _) => scene.dimension,
+        }
+    }
+
     /// The same for all waits.
     pub fn limits(&self) -> Limits {
         Limits {
@@ -141,7 +149,7 @@ impl Case {
     }
 
     fn all_inputs(&self, count: usize, variant: u32) -> Inputs {
-        let shift = f64::from(variant);
+        let (shift, d) = (f64::from(variant), self.dimension());
         let wave = |size: usize, rate: f64| (0..size).map(move |k| (rate * k as f64 + shift).sin());
         match &self.part {
             Part::Fluid(scene) => {
@@ -151,8 +159,8 @@ impl Case {
                 let of_solid =
                     |factor: f64| -> Vec<f64> { solid.iter().map(|s| factor * s).collect() };
                 let vector = |factor: f64, rate: f64| -> Vec<f64> {
-                    let waves = wave(2 * count, rate).enumerate();
-                    waves.map(|(k, w)| factor * w * solid[k / 2]).collect()
+                    let waves = wave(d * count, rate).enumerate();
+                    waves.map(|(k, w)| factor * w * solid[k / d]).collect()
                 };
                 vec![
                     (Field::Porosity, solid.iter().map(|s| 1.0 - s).collect()),
@@ -164,10 +172,11 @@ impl Case {
                 ]
             }
             Part::Particles(scene, grains) => {
-                let gravity = scene.gravity[0].hypot(scene.gravity[1]).max(1.0);
+                let size = scene.gravity.iter().copied().fold(0.0, f64::hypot);
+                let gravity = size.max(1.0);
                 let mass = |grain: usize| grains.mass.get(grain).copied().unwrap_or(1.0);
                 let drag = wave(count, 0.7).enumerate();
-                let force = wave(2 * count, 0.9).enumerate();
+                let force = wave(d * count, 0.9).enumerate();
                 vec![
                     (
                         Field::GrainDrag,
@@ -177,7 +186,7 @@ impl Case {
                     (
                         Field::GrainForce,
                         force
-                            .map(|(k, w)| 0.3 * mass(k / 2) * gravity * w)
+                            .map(|(k, w)| 0.3 * mass(k / d) * gravity * w)
                             .collect(),
                     ),
                 ]
@@ -195,6 +204,7 @@ fn grains(scene: &Scene) -> InitialGrains {
     };
     let volume: Vec<f64> = table.radius.iter().map(volume).collect();
     InitialGrains {
+        dimension: scene.coupler.dimension,
         position: table.position.as_flattened().to_vec(),
         velocity: table.velocity.as_flattened().to_vec(),
         radius: table.radius.clone(),

@@ -1,6 +1,6 @@
 //! A check of the suite, and what comes of it.
 
-use protocol::messages::Role;
+use protocol::message::Role;
 
 use crate::case::Case;
 

@@ -8,7 +8,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use nix::sys::signal::Signal;
-use protocol::messages::{Diagnostic, Role};
+use protocol::message::{Diagnostic, Role};
 use protocol::partner::Partner;
 use protocol::runspace::RunSpace;
 use recording::{Reader, ReplayError, Report, compare};

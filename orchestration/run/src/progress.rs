@@ -4,7 +4,7 @@ use std::io::{IsTerminal, stderr};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use protocol::messages::Diagnostic;
+use protocol::message::Diagnostic;
 
 /// Between two plain lines.
 const QUIET: Duration = Duration::from_secs(5);

@@ -10,7 +10,7 @@
 use std::time::{Duration, Instant};
 
 use nix::sys::signal::Signal;
-use protocol::messages::ToOrchestrator;
+use protocol::message::ToOrchestrator;
 use protocol::monitor::MonitorReceiver;
 use protocol::runspace::RunSpace;
 use scene::error::exit_code;

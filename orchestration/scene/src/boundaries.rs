@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use protocol::configure::{Boundary, Profile};
+use protocol::scene::{Boundary, Profile};
 
 use crate::check::Checker;
 use crate::keys::{BoundaryKey, Rectangle};
@@ -127,7 +127,7 @@ fn condition(key: &BoundaryKey) -> Boundary {
         BoundaryKey::Slip => Boundary::Slip,
         BoundaryKey::Periodic => Boundary::Periodic,
         BoundaryKey::Inflow { velocity, profile } => Boundary::Inflow {
-            velocity: *velocity,
+            velocity: velocity.to_vec(),
             profile: *profile,
         },
         BoundaryKey::Open { pressure } => Boundary::Open {

@@ -1,7 +1,7 @@
 //! Ranges: every number of a scene is looked at once, here; inside it is trusted.
 
-use protocol::configure::{AdaptiveStep, Geometry, Nonlinear, Scheme};
 use protocol::field::Field;
+use protocol::scene::{AdaptiveStep, Geometry, Nonlinear, Scheme};
 
 use crate::document::Document;
 use crate::keys::{

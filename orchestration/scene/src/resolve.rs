@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use protocol::configure::{
+use protocol::scene::{
     Convection, CouplerScene, FluidScene, Geometry, Limits, MeshSource, ParticleScene, Scheme,
 };
 
@@ -14,6 +14,9 @@ use crate::keys::{Coupling, Fluid, SceneFile};
 use crate::mesh_names::boundary_names;
 use crate::scene::Scene;
 use crate::walls::{self, GrainRoom};
+
+/// Of the space of every scene so far.
+const DIMENSION: usize = 2;
 
 /// Grains of a run folder, beside `scene.json`.
 pub const GRAINS_FILE: &str = "grains.csv";
@@ -88,9 +91,10 @@ fn fluid_part(
     // it is too dissipative.
     let grad_div = if keys.grains.is_empty() { 0.1 } else { 1.0 };
     FluidScene {
+        dimension: DIMENSION,
         density: fluid.density,
         dynamic_viscosity: fluid.dynamic_viscosity,
-        gravity: keys.gravity.acceleration,
+        gravity: keys.gravity.acceleration.to_vec(),
         mesh,
         boundaries,
         convection: match fluid.convection {
@@ -101,7 +105,7 @@ fn fluid_part(
         nonlinear: fluid.nonlinear,
         viscous_form: fluid.viscous_form,
         grad_div: fluid.grad_div.unwrap_or(grad_div),
-        initial_velocity: fluid.initial_velocity,
+        initial_velocity: fluid.initial_velocity.to_vec(),
         threads,
     }
 }
@@ -114,11 +118,11 @@ fn mesh_part(
 ) -> (MeshSource, Option<Vec<String>>) {
     if let Some(rectangle) = &fluid.domain.rectangle {
         let mesh = MeshSource::Rectangle {
-            lower: rectangle.lower,
-            upper: rectangle.upper,
-            cells: rectangle.cells,
+            lower: rectangle.lower.to_vec(),
+            upper: rectangle.upper.to_vec(),
+            cells: rectangle.cells.to_vec(),
             diagonals: rectangle.diagonals,
-            grading: rectangle.grading,
+            grading: rectangle.grading.to_vec(),
         };
         return (mesh, Some(boundaries::SIDES.map(String::from).to_vec()));
     }
@@ -142,7 +146,7 @@ fn mesh_part(
 
 fn particle_part(
     keys: &SceneFile,
-    walls: Vec<protocol::configure::Wall>,
+    walls: Vec<protocol::scene::Wall>,
     room: Option<&GrainRoom>,
     threads: usize,
 ) -> ParticleScene {
@@ -153,9 +157,10 @@ fn particle_part(
     let contact = keys.contact.as_ref();
     let friction = contact.map_or(0.0, |contact| contact.friction);
     ParticleScene {
-        gravity: keys.gravity.acceleration,
+        dimension: DIMENSION,
+        gravity: keys.gravity.acceleration.to_vec(),
         walls,
-        period: room.map_or([None, None], |room| room.period),
+        period: room.map_or([None, None], |room| room.period).to_vec(),
         friction,
         wall_friction: contact
             .and_then(|contact| contact.wall_friction)
@@ -177,7 +182,7 @@ fn coupler_part(
     // Without both phases there is nothing to couple, and the scheme has no meaning: one pass.
     let uncoupled = Coupling {
         scheme: Some(Scheme::Staggered),
-        drag: protocol::configure::DragLaw::Dallavalle,
+        drag: protocol::scene::DragLaw::Dallavalle,
         reaction: true,
         geometry: Geometry::Disk,
         smoothing_length: None,
@@ -185,10 +190,11 @@ fn coupler_part(
     };
     let coupling = keys.coupling.as_ref().unwrap_or(&uncoupled);
     CouplerScene {
+        dimension: DIMENSION,
         end_time: keys.run.end_time,
         coupling_step: keys.run.coupling_step,
         adaptive: coupling.adaptive,
-        gravity: keys.gravity.acceleration,
+        gravity: keys.gravity.acceleration.to_vec(),
         grains_stay: false,
         grains_file: particles.is_some().then(|| GRAINS_FILE.to_string()),
         fluid,

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use protocol::configure::CouplerScene;
+use protocol::scene::CouplerScene;
 
 use crate::error::Error;
 use crate::grains::GrainTable;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use protocol::configure::{Boundary, Wall};
+use protocol::scene::{Boundary, Wall};
 
 use crate::check::Checker;
 use crate::keys::{DefaultWalls, Particles, Rectangle, SceneFile, Side};
@@ -84,7 +84,7 @@ impl GrainRoom {
             .into_iter()
             .zip(self.closed)
             .filter(|(_, closed)| *closed)
-            .map(|((a, b), _)| Wall { a, b })
+            .map(|((a, b), _)| Wall::segment(a, b))
             .collect()
     }
 }
@@ -106,9 +106,7 @@ pub fn walls(scene: &SceneFile, room: Option<&GrainRoom>, checker: &mut Checker<
             Vec::new()
         }
     };
-    walls.extend(scene.walls.iter().map(|wall| Wall {
-        a: wall.from,
-        b: wall.to,
-    }));
+    let own = scene.walls.iter();
+    walls.extend(own.map(|wall| Wall::segment(wall.from, wall.to)));
     walls
 }

@@ -23,12 +23,13 @@ fn mesh_fields(scene: &Scene) -> Vec<(Field, Vec<f64>)> {
     let Some(MeshSource::Rectangle {
         lower,
         upper,
-        cells: [nx, ny],
+        cells,
         ..
     }) = scene.coupler.fluid.as_ref().map(|fluid| fluid.mesh.clone())
     else {
         return Vec::new();
     };
+    let (nx, ny) = (cells[0], cells[1]);
     let mut position = Vec::new();
     for j in 0..=ny {
         for i in 0..=nx {
@@ -50,8 +51,8 @@ fn mesh_fields(scene: &Scene) -> Vec<(Field, Vec<f64>)> {
         .collect();
     vec![
         (Field::NodePosition, position),
-        (Field::TriangleNodes, nodes),
-        (Field::TrianglePosition, corners),
+        (Field::SimplexNodes, nodes),
+        (Field::SimplexPosition, corners),
     ]
 }
 
@@ -110,8 +111,9 @@ fn write(scene: &Scene, folder: &Path, last: u64) -> RunFolder {
         fields.push((Field::GrainRadius, scene.grains.radius.clone()));
     }
     let message = ToOrchestrator::Started {
+        dimension: 2,
         nodes: 0,
-        triangles: 0,
+        simplices: 0,
         grains: 0,
         engines: Vec::new(),
     };

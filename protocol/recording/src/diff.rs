@@ -192,9 +192,12 @@ fn pair(differences: &mut Differences, first: Vec<Entry>, second: Vec<Entry>) {
             continue;
         };
         match (&one.body, &other.body) {
-            (Body::Field(field, a), Body::Field(_, b)) => {
+            (Body::Field(_, a), Body::Field(_, b)) => {
                 let row = differences.fields.entry(topic.clone()).or_default();
-                if row.add(one.key, field.components(), a, b).is_err() {
+                if row
+                    .add(one.key, one.header.components.max(1) as usize, a, b)
+                    .is_err()
+                {
                     Unequal::add(&mut differences.only_first, topic, one.key);
                     Unequal::add(&mut differences.only_second, topic, other.key);
                 }

@@ -119,7 +119,9 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
             Body::Field(field, values) if is_input(entry.header.stage) => {
                 self.inputs.push((field, values));
             }
-            Body::Field(field, values) => self.compare(key, field, &values),
+            Body::Field(field, values) => {
+                self.compare(key, field, entry.header.components, &values);
+            }
             Body::Request(request) => self.request(reader, folder, key, request)?,
             Body::Answer(answer) => self.answer(key, answer),
             Body::Unreadable(_) => self.stop(key, "the recorded message is none".to_owned()),
@@ -156,7 +158,7 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
             ToEngine::Configure(Configure::Particles { scene, .. }) => {
                 let grains = self
                     .partner
-                    .configure_particles(&scene, &grains_of(&inputs))?;
+                    .configure_particles(&scene, &grains_of(scene.dimension, &inputs))?;
                 let fields = grains.slices();
                 self.answers = fields
                     .map(|(field, values)| (field, values.to_vec()))
@@ -245,7 +247,7 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
         }
     }
 
-    fn compare(&mut self, key: Key, field: Field, recorded: &[f64]) {
+    fn compare(&mut self, key: Key, field: Field, components: u32, recorded: &[f64]) {
         let Some((_, found)) = self.answers.iter().find(|(answer, _)| *answer == field) else {
             if !self.report.left_out.contains(&field.name()) {
                 self.report.left_out.push(field.name());
@@ -257,7 +259,7 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
             .fields
             .entry(field.name().to_owned())
             .or_default();
-        if let Err(why) = row.add(key, field.components(), recorded, found) {
+        if let Err(why) = row.add(key, components.max(1) as usize, recorded, found) {
             let why = format!(
                 "{} has {why} (recorded, now): nothing to compare",
                 field.name()
@@ -277,18 +279,17 @@ fn is_input(stage: u32) -> bool {
 }
 
 fn mesh_fields(mesh: &MeshDescription) -> Vec<(Field, Vec<f64>)> {
-    let corners = mesh.triangles.iter().flatten();
     let values = [
         mesh.node_position.clone(),
-        corners.map(|&node| f64::from(node)).collect(),
-        mesh.triangle_position.as_flattened().to_vec(),
+        mesh.corner_numbers(),
+        mesh.simplex_position.clone(),
         mesh.nodal_mass.clone(),
     ];
     MESH.into_iter().zip(values).collect()
 }
 
 /// A grain field that is missing is empty, and refused by the partner.
-fn grains_of(fields: &[(Field, Vec<f64>)]) -> InitialGrains {
+fn grains_of(dimension: usize, fields: &[(Field, Vec<f64>)]) -> InitialGrains {
     let of = |wanted: Field| {
         fields
             .iter()
@@ -297,6 +298,7 @@ fn grains_of(fields: &[(Field, Vec<f64>)]) -> InitialGrains {
             .unwrap_or_default()
     };
     InitialGrains {
+        dimension,
         position: of(Field::GrainPosition),
         velocity: of(Field::GrainVelocity),
         radius: of(Field::GrainRadius),

@@ -6,6 +6,9 @@ use crate::language::error::Error;
 use crate::language::field::Field;
 use crate::language::header::FieldHeader;
 use crate::language::message::{Done, ToCoupler};
+use crate::language::report::Report;
+use crate::language::role::Role;
+use crate::transport::exchange::Counts;
 
 /// The message in these bytes, its header checked.
 pub(crate) fn parse(
@@ -52,12 +55,18 @@ pub(crate) fn count(who: &str, what: &str, value: u64) -> Result<usize, Error> {
 
 /// Is it the candidate asked for, with every field that is wanted?
 pub(crate) fn check_done(
-    who: &str,
+    role: Role,
     (step, pass): (u64, u32),
     done: &Done,
     outputs: &[(Field, &mut Vec<f64>)],
 ) -> Result<(), Error> {
-    let invalid = |why| Err(Error::invalid(who, step, "Done", why));
+    let invalid = |why| Err(Error::invalid(role.seat(), step, "Done", why));
+    if (role == Role::Fluid) != matches!(done.report, Report::Fluid(_)) {
+        return invalid("its report is that of another seat".to_owned());
+    }
+    if let Some((name, value)) = done.report.not_finite() {
+        return invalid(format!("{name} is {value}"));
+    }
     if (done.step, done.pass) != (step, pass) {
         return invalid(format!(
             "step {} pass {}, expected {} and {}",
@@ -81,36 +90,44 @@ pub(crate) fn check_done(
     }
 }
 
+/// Does an engine answer in the dimension that it was asked for?
+pub(crate) fn same_dimension(who: &str, asked: usize, told: u32) -> Result<(), Error> {
+    if told as usize == asked {
+        return Ok(());
+    }
+    let why = format!("{told} dimensions, expected {asked}");
+    Err(Error::invalid(who, 0, "Ready", why))
+}
+
 /// Node numbers of the corners, whole and within the mesh.
-pub(crate) fn corners(who: &str, nodes: usize, numbers: &[f64]) -> Result<Vec<[u32; 3]>, Error> {
-    let (triangles, _) = numbers.as_chunks::<3>();
-    let corner = |triangle: usize, number: f64| {
+pub(crate) fn corners(who: &str, counts: &Counts, numbers: &[f64]) -> Result<Vec<u32>, Error> {
+    let nodes = counts.nodes;
+    let corner = |(place, &number): (usize, &f64)| {
         if number.fract() == 0.0 && (0.0..nodes as f64).contains(&number) {
             return Ok(number as u32);
         }
         let why = format!(
-            "corner {number} of triangle {triangle}, must be a whole number from 0 to {}",
+            "corner {number} of simplex {}, must be a whole number from 0 to {}",
+            place / (counts.dimension + 1),
             nodes as i64 - 1
         );
-        Err(Error::invalid(who, 0, "triangle_nodes", why))
+        Err(Error::invalid(who, 0, "simplex_nodes", why))
     };
-    let three =
-        |(t, n): (usize, &[f64; 3])| Ok([corner(t, n[0])?, corner(t, n[1])?, corner(t, n[2])?]);
-    triangles.iter().enumerate().map(three).collect()
+    numbers.iter().enumerate().map(corner).collect()
 }
 
 /// Can shape functions be made on it?
 pub(crate) fn check_mesh(who: &str, mesh: &MeshDescription) -> Result<(), Error> {
     let invalid = |what: &str, why| Err(Error::invalid(who, 0, what, why));
-    if mesh.triangles.is_empty() {
-        return invalid("mesh", "it has no triangle".to_owned());
+    if mesh.simplex_nodes.is_empty() {
+        return invalid("mesh", "it has no simplex".to_owned());
     }
-    if let Some(period) = mesh
-        .period
-        .iter()
-        .flatten()
-        .find(|p| !(p.is_finite() && **p > 0.0))
-    {
+    if mesh.period.len() != mesh.dimension {
+        let why = format!("{} periods, must be {}", mesh.period.len(), mesh.dimension);
+        return invalid("Ready", why);
+    }
+    let mut periods = mesh.period.iter().flatten();
+    if let Some(period) = periods.find(|p| !(p.is_finite() && **p > 0.0)) {
         return invalid("Ready", format!("a period of {period} m, must be positive"));
     }
     if let Some(node) = mesh.nodal_mass.iter().position(|&mass| mass <= 0.0) {
@@ -119,14 +136,14 @@ pub(crate) fn check_mesh(who: &str, mesh: &MeshDescription) -> Result<(), Error>
             format!("{} at node {node}, must be positive", mesh.nodal_mass[node]),
         );
     }
-    for (triangle, p) in mesh.triangle_position.iter().enumerate() {
-        let twice_area = (p[2] - p[0]) * (p[5] - p[1]) - (p[4] - p[0]) * (p[3] - p[1]);
-        if twice_area <= 0.0 {
+    for simplex in 0..mesh.simplex_count() {
+        let measure = mesh.measure(simplex);
+        if measure <= 0.0 {
             let why = format!(
-                "triangle {triangle} has area {}, corners must be counter-clockwise",
-                0.5 * twice_area
+                "simplex {simplex} has measure {measure}, its corners must be positively oriented \
+                 (in the plane counter-clockwise)"
             );
-            return invalid("triangle_position", why);
+            return invalid("simplex_position", why);
         }
     }
     Ok(())

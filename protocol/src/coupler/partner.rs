@@ -17,7 +17,7 @@ use crate::run::runspace::RunSpace;
 use crate::transport::channel::{Channel, Wait, seconds};
 use crate::transport::exchange::{Counts, Moment, receive_grains};
 
-use super::check::{check_done, check_mesh, corners, count, parse, unexpected};
+use super::check::{check_done, check_mesh, corners, count, parse, same_dimension, unexpected};
 
 /// How long an engine may take to leave after `Finish` \[s\].
 const LEAVE: Duration = Duration::from_secs(10);
@@ -111,6 +111,7 @@ impl Partner {
     /// Send the fluid's part of the scene; answered by the mesh. An engine that does not know
     /// convection as needed gets it always.
     pub fn configure_fluid(&mut self, scene: &FluidScene) -> Result<MeshDescription, Error> {
+        let scene_dimension = scene.dimension;
         let mut scene = scene.clone();
         let able = self
             .hello()
@@ -121,25 +122,30 @@ impl Partner {
         }
         self.send(&ToEngine::Configure(Configure::Fluid(Box::new(scene))))?;
         let wait = Wait::new(0, "Ready", seconds(self.limits.configure));
-        let (epoch, nodes, triangles, period) = match self.answer(wait)? {
+        match self.answer(wait)? {
             ToCoupler::Ready(Ready::Mesh {
                 epoch,
+                dimension,
                 nodes,
-                triangles,
+                simplices,
                 period,
-            }) => (epoch, nodes, triangles, period),
-            other => return Err(unexpected(self.seat(), 0, &other, "Ready with a mesh")),
-        };
-        let (nodes, triangles) = (
-            count(self.seat(), "nodes", nodes)?,
-            count(self.seat(), "triangles", triangles)?,
-        );
-        self.counts = Counts {
-            epoch,
-            nodes,
-            triangles,
-            grains: 0,
-        };
+            }) => {
+                same_dimension(self.seat(), scene_dimension, dimension)?;
+                self.counts = Counts {
+                    epoch,
+                    dimension: scene_dimension,
+                    nodes: count(self.seat(), "nodes", nodes)?,
+                    simplices: count(self.seat(), "simplices", simplices)?,
+                    grains: 0,
+                };
+                self.mesh(period, wait)
+            }
+            other => Err(unexpected(self.seat(), 0, &other, "Ready with a mesh")),
+        }
+    }
+
+    /// The fields of a mesh, looked at.
+    fn mesh(&mut self, period: Vec<Option<f64>>, wait: Wait<'_>) -> Result<MeshDescription, Error> {
         let mut fields = Vec::with_capacity(MESH.len());
         for field in MESH {
             fields.push(self.counts.receive_copy(
@@ -149,13 +155,13 @@ impl Partner {
                 wait,
             )?);
         }
-        let [node_position, corner_numbers, triangle_position, nodal_mass] =
-            <[Vec<f64>; 4]>::try_from(fields).unwrap_or_default();
-        let (triangle_position, _) = triangle_position.as_chunks::<6>();
+        let [node_position, corner_numbers, simplex_position, nodal_mass] =
+            <[Vec<f64>; MESH.len()]>::try_from(fields).unwrap_or_default();
         let mesh = MeshDescription {
+            dimension: self.counts.dimension,
             node_position,
-            triangles: corners(self.seat(), nodes, &corner_numbers)?,
-            triangle_position: triangle_position.to_vec(),
+            simplex_nodes: corners(self.seat(), &self.counts, &corner_numbers)?,
+            simplex_position,
             nodal_mass,
             period,
         };
@@ -171,7 +177,8 @@ impl Partner {
         grains: &InitialGrains,
     ) -> Result<InitialGrains, Error> {
         self.counts = Counts {
-            grains: grains.radius.len(),
+            dimension: scene.dimension,
+            grains: grains.count(),
             ..Counts::default()
         };
         for (field, values) in grains.slices() {
@@ -182,18 +189,24 @@ impl Partner {
                 values,
             )?;
         }
-        let grain_count = grains.radius.len() as u64;
+        let grain_count = grains.count() as u64;
         self.send(&ToEngine::Configure(Configure::Particles {
             scene: Box::new(scene.clone()),
             grain_count,
         }))?;
         let wait = Wait::new(0, "Ready", seconds(self.limits.configure));
-        let (epoch, grain_count) = match self.answer(wait)? {
-            ToCoupler::Ready(Ready::Grains { epoch, grains }) => (epoch, grains),
+        let (epoch, dimension, grain_count) = match self.answer(wait)? {
+            ToCoupler::Ready(Ready::Grains {
+                epoch,
+                dimension,
+                grains,
+            }) => (epoch, dimension, grains),
             other => return Err(unexpected(self.seat(), 0, &other, "Ready with grains")),
         };
+        same_dimension(self.seat(), scene.dimension, dimension)?;
         self.counts = Counts {
             epoch,
+            dimension: scene.dimension,
             grains: count(self.seat(), "grains", grain_count)?,
             ..Counts::default()
         };
@@ -231,7 +244,7 @@ impl Partner {
             ToCoupler::Done(done) => done,
             other => return Err(unexpected(self.seat(), self.step, &other, "Done")),
         };
-        check_done(self.seat(), (self.step, self.pass), &done, outputs)?;
+        check_done(self.hello.role, (self.step, self.pass), &done, outputs)?;
         self.end = request.time + request.dt;
         self.take(&done.fields, outputs, wait)?;
         Ok(done)

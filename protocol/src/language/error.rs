@@ -71,9 +71,9 @@ pub enum Error {
         step: u64,
         /// The field.
         field: Field,
-        /// "node", "triangle" or "grain".
+        /// "node", "simplex" or "grain".
         support: &'static str,
-        /// Number of the node, triangle or grain, from 0.
+        /// Number of the node, simplex or grain, from 0.
         index: usize,
         /// Component within it, from 0.
         component: usize,
@@ -111,12 +111,8 @@ impl Error {
         }
     }
 
-    pub(crate) fn invalid(
-        who: &str,
-        step: u64,
-        what: impl Into<String>,
-        why: impl Into<String>,
-    ) -> Error {
+    /// What `who` sent is not what the contract allows: which part, and why.
+    pub fn invalid(who: &str, step: u64, what: impl Into<String>, why: impl Into<String>) -> Error {
         Error::Invalid {
             who: who.to_owned(),
             step,

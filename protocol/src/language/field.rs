@@ -11,13 +11,13 @@ use serde::{Deserialize, Serialize};
 pub enum Support {
     /// A node of the mesh.
     Node,
-    /// A triangle.
-    Triangle,
+    /// A simplex of the mesh: a triangle in the plane, a tetrahedron in space.
+    Simplex,
     /// A grain.
     Grain,
 }
 
-/// How many numbers there are for each node, triangle or grain.
+/// How many numbers there are for each node, simplex or grain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rank {
     /// One.
@@ -117,11 +117,12 @@ macro_rules! fields {
 fields! {
     /// Coordinates of each node.
     NodePosition = 1 "node_position" Node Vector Unit::Of("m"), None, [Mesh];
-    /// Nodes of each triangle's corners: whole numbers from 0, counter-clockwise.
-    TriangleNodes = 2 "triangle_nodes" Triangle Corners Unit::Of("–"), None, [Mesh];
-    /// Coordinates of each triangle's corners, unwrapped across periodic boundaries; shape functions
+    /// Nodes of each simplex's corners: whole numbers from 0, positively oriented (in the plane
+    /// counter-clockwise).
+    SimplexNodes = 2 "simplex_nodes" Simplex Corners Unit::Of("–"), None, [Mesh];
+    /// Coordinates of each simplex's corners, unwrapped across periodic boundaries; shape functions
     /// always come from these.
-    TrianglePosition = 3 "triangle_position" Triangle CornerVectors Unit::Of("m"), None, [Mesh];
+    SimplexPosition = 3 "simplex_position" Simplex CornerVectors Unit::Of("m"), None, [Mesh];
     /// Lumped mass ∫N_α, positive.
     NodalMass = 4 "nodal_mass" Node Scalar Unit::Measure, None, [Mesh];
 
@@ -267,18 +268,19 @@ impl Field {
         self.spec().name
     }
 
-    /// The SI unit.
-    pub fn unit(self) -> &'static str {
+    /// The SI unit in a space of this dimension; for grains that of balls.
+    pub fn unit(self, dimension: usize) -> &'static str {
         match self.spec().unit {
             Unit::Of(unit) => unit,
-            Unit::Measure => "m²",
+            Unit::Measure if dimension == 2 => "m²",
+            Unit::Measure => "m³",
             Unit::Grain { ball, .. } => ball,
         }
     }
 
-    /// Numbers per node, triangle or grain.
-    pub fn components(self) -> usize {
-        self.spec().rank.components(2)
+    /// Numbers for each node, simplex or grain in a space of this dimension.
+    pub fn components(self, dimension: usize) -> usize {
+        self.spec().rank.components(dimension)
     }
 
     /// What the values belong to.
@@ -288,11 +290,11 @@ impl Field {
 }
 
 impl Support {
-    /// "node", "triangle" or "grain".
+    /// "node", "simplex" or "grain".
     pub fn name(self) -> &'static str {
         match self {
             Support::Node => "node",
-            Support::Triangle => "triangle",
+            Support::Simplex => "simplex",
             Support::Grain => "grain",
         }
     }

@@ -8,7 +8,7 @@ use super::error::Error;
 use super::field::Field;
 
 /// Version of the messages and of the header; both sides of a link must agree on it.
-pub const PROTOCOL_VERSION: u32 = 1;
+pub const PROTOCOL_VERSION: u32 = 2;
 
 /// Where in the exchange a message or field belongs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,7 +32,7 @@ pub enum Stage {
 
 /// Header of a field or message: 64 bytes, native (little) endian, no padding.
 #[derive(Debug, Default, Clone, Copy, PartialEq, ZeroCopySend)]
-#[type_name("SillageHeader1")]
+#[type_name("SillageHeader2")]
 #[repr(C)]
 pub struct FieldHeader {
     /// `PROTOCOL_VERSION` (byte 0).
@@ -47,7 +47,7 @@ pub struct FieldHeader {
     pub pass: u32,
     /// [`Stage`] (byte 28).
     pub stage: u32,
-    /// Numbers per node, triangle or grain; 1 for a control message (byte 32).
+    /// Numbers for each node, simplex or grain; 1 for a control message (byte 32).
     pub components: u32,
     /// 0 (byte 36).
     pub reserved: u32,
@@ -72,7 +72,9 @@ pub struct Expected {
     pub pass: u32,
     /// Stage.
     pub stage: Stage,
-    /// Nodes, triangles or grains (not multiplied by the components).
+    /// Dimension of the space: how many numbers a vector has.
+    pub dimension: usize,
+    /// Nodes, simplices or grains (not multiplied by the components).
     pub entities: usize,
     /// Time of the values \[s\].
     pub time: f64,
@@ -81,7 +83,7 @@ pub struct Expected {
 impl Expected {
     /// Numbers in the payload.
     pub fn count(&self) -> usize {
-        self.entities * self.field.components()
+        self.entities * self.field.components(self.dimension)
     }
 
     /// The header that a sender writes.
@@ -93,7 +95,7 @@ impl Expected {
             step: self.step,
             pass: self.pass,
             stage: self.stage as u32,
-            components: self.field.components() as u32,
+            components: self.field.components(self.dimension) as u32,
             reserved: 0,
             count: self.count() as u64,
             time: self.time,
@@ -158,7 +160,8 @@ impl FieldHeader {
                 check_sum(payload),
             ));
         }
-        require_finite(who, expected.step, expected.field, payload)
+        let field = (expected.field, expected.dimension);
+        require_finite(who, expected.step, field, payload)
     }
 
     fn validate_values(&self, who: &str, expected: &Expected, length: usize) -> Result<(), Error> {
@@ -222,8 +225,14 @@ pub(crate) fn other_protocol(who: &str, theirs: u32) -> Error {
     }
 }
 
-/// Refuse the first NaN or infinity with field, node or grain, component, sender and step.
-pub fn require_finite(who: &str, step: u64, field: Field, values: &[f64]) -> Result<(), Error> {
+/// Refuse the first NaN or infinity of a field in a space of this dimension, with field, node or grain,
+/// component, sender and step.
+pub fn require_finite(
+    who: &str,
+    step: u64,
+    (field, dimension): (Field, usize),
+    values: &[f64],
+) -> Result<(), Error> {
     const BLOCK: usize = 64;
     for (block, chunk) in values.chunks(BLOCK).enumerate() {
         // Without an early exit inside a block this is a vector loop.
@@ -241,8 +250,8 @@ pub fn require_finite(who: &str, step: u64, field: Field, values: &[f64]) -> Res
                 step,
                 field,
                 support: field.support().name(),
-                index: place / field.components(),
-                component: place % field.components(),
+                index: place / field.components(dimension),
+                component: place % field.components(dimension),
                 value: values[place].to_string(),
             });
         }

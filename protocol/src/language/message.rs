@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::field::Field;
+use super::report::Report;
 use super::scene::{FluidScene, ParticleScene};
 
 pub use super::role::Role;
@@ -57,7 +58,7 @@ pub enum Configure {
 }
 
 /// An engine is ready; counts of the fields that follow.
-/// Mesh: `NodePosition`, `TriangleNodes`, `TrianglePosition`, `NodalMass`.
+/// Mesh: `NodePosition`, `SimplexNodes`, `SimplexPosition`, `NodalMass`.
 /// Grains: `GrainPosition`, `GrainVelocity`, `GrainRadius`, `GrainMass`, `GrainVolume`, `GrainFixed`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Ready {
@@ -65,17 +66,21 @@ pub enum Ready {
     Mesh {
         /// Mesh epoch: grows by one whenever the mesh changes.
         epoch: u64,
+        /// Dimension of the space, that of the scene.
+        dimension: u32,
         /// Number of nodes.
         nodes: u64,
-        /// Number of triangles.
-        triangles: u64,
-        /// Period in x and y \[m\], where the mesh is periodic.
-        period: [Option<f64>; 2],
+        /// Number of simplices.
+        simplices: u64,
+        /// Period along each axis \[m\], where the mesh is periodic.
+        period: Vec<Option<f64>>,
     },
     /// The particle engine's grains.
     Grains {
         /// Grain epoch: grows by one whenever grains appear or vanish.
         epoch: u64,
+        /// Dimension of the space, that of the scene.
+        dimension: u32,
         /// Number of grains.
         grains: u64,
     },
@@ -127,7 +132,9 @@ pub struct Done {
     pub pass: u32,
     /// The fields that follow.
     pub fields: Vec<Field>,
-    /// Numbers of this candidate.
+    /// What the coupler goes by.
+    pub report: Report,
+    /// Numbers of this candidate for people: without them a run has the same bits.
     pub diagnostics: Vec<Diagnostic>,
 }
 
@@ -215,10 +222,12 @@ pub enum ToCoupler {
 pub enum ToOrchestrator {
     /// Coupling begins. When there is a mesh its fields follow, when there are grains `GrainRadius`.
     Started {
+        /// Dimension of the space.
+        dimension: u32,
         /// Nodes of the mesh, 0 without fluid.
         nodes: u64,
-        /// Triangles of the mesh.
-        triangles: u64,
+        /// Simplices of the mesh.
+        simplices: u64,
         /// Grains, 0 without particles.
         grains: u64,
         /// Names and versions of the engines.

@@ -8,5 +8,6 @@ pub mod error;
 pub mod field;
 pub mod header;
 pub mod message;
+pub mod report;
 pub mod role;
 pub mod scene;

@@ -76,15 +76,17 @@ impl MonitorReceiver {
     fn fields_of(&mut self, message: &ToOrchestrator) -> Result<Vec<(Field, Vec<f64>)>, Error> {
         let (moment, names) = match message {
             ToOrchestrator::Started {
+                dimension,
                 nodes,
-                triangles,
+                simplices,
                 grains,
                 ..
             } => {
                 self.counts = Counts {
                     epoch: 0,
+                    dimension: *dimension as usize,
                     nodes: *nodes as usize,
-                    triangles: *triangles as usize,
+                    simplices: *simplices as usize,
                     grains: *grains as usize,
                 };
                 let mut names = if *nodes > 0 {

@@ -47,34 +47,32 @@ impl MonitorSender {
         }))
     }
 
-    /// Coupling begins: who takes part, the mesh and the grains' radii (empty: no grains).
+    /// Coupling begins in a space of this dimension: who takes part, the mesh and the grains' radii
+    /// (empty: no grains).
     pub fn started(
         &mut self,
+        dimension: usize,
         engines: &[Hello],
         mesh: Option<&MeshDescription>,
         grain_radius: &[f64],
     ) -> Result<(), Error> {
-        let (nodes, triangles) =
-            mesh.map_or((0, 0), |mesh| (mesh.nodal_mass.len(), mesh.triangles.len()));
+        let (nodes, simplices) =
+            mesh.map_or((0, 0), |mesh| (mesh.node_count(), mesh.simplex_count()));
         self.counts = Counts {
             epoch: 0,
+            dimension,
             nodes,
-            triangles,
+            simplices,
             grains: grain_radius.len(),
         };
         self.wait_for_reader()?;
         let moment = Moment::at(Stage::Started);
         if let Some(mesh) = mesh {
-            let corners: Vec<f64> = mesh
-                .triangles
-                .iter()
-                .flatten()
-                .map(|&node| f64::from(node))
-                .collect();
+            let corners = mesh.corner_numbers();
             let values: [&[f64]; 4] = [
                 &mesh.node_position,
                 &corners,
-                mesh.triangle_position.as_flattened(),
+                &mesh.simplex_position,
                 &mesh.nodal_mass,
             ];
             for (field, values) in MESH.into_iter().zip(values) {
@@ -87,8 +85,9 @@ impl MonitorSender {
                 .send(&mut *self.channel, Field::GrainRadius, moment, grain_radius)?;
         }
         self.send(&ToOrchestrator::Started {
+            dimension: dimension as u32,
             nodes: nodes as u64,
-            triangles: triangles as u64,
+            simplices: simplices as u64,
             grains: grain_radius.len() as u64,
             engines: engines.to_vec(),
         })?;

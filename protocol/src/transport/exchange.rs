@@ -6,12 +6,13 @@ use crate::language::field::{Field, Support};
 use crate::language::header::{Expected, Stage};
 use crate::transport::channel::{Channel, Received, Wait};
 
-/// How many nodes, triangles and grains a link has, and the epoch of both.
+/// How many nodes, simplices and grains a link has, in which dimension, and the epoch of both.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Counts {
     pub epoch: u64,
+    pub dimension: usize,
     pub nodes: usize,
-    pub triangles: usize,
+    pub simplices: usize,
     pub grains: usize,
 }
 
@@ -41,7 +42,7 @@ impl Counts {
     pub(crate) fn expect(&self, field: Field, moment: Moment) -> Expected {
         let entities = match field.support() {
             Support::Node => self.nodes,
-            Support::Triangle => self.triangles,
+            Support::Simplex => self.simplices,
             Support::Grain => self.grains,
         };
         let Moment {
@@ -56,6 +57,7 @@ impl Counts {
             step,
             pass,
             stage,
+            dimension: self.dimension,
             entities,
             time,
         }
@@ -128,6 +130,7 @@ pub(crate) fn receive_grains(
     let moment = Moment::at(stage);
     let mut next = |field| counts.receive_copy(channel, field, moment, wait);
     let grains = InitialGrains {
+        dimension: counts.dimension,
         position: next(Field::GrainPosition)?,
         velocity: next(Field::GrainVelocity)?,
         radius: next(Field::GrainRadius)?,

@@ -3,6 +3,7 @@ use protocol::field::Field;
 use protocol::message::{
     Advance, Configure, Diagnostic, Done, Failure, FailureKind, ToCoupler, ToEngine,
 };
+use protocol::report::{ParticleReport, Report};
 use protocol::scene::Wall;
 
 use crate::toy;
@@ -44,6 +45,7 @@ fn every_message_comes_back_the_same() {
         step: 1,
         pass: 0,
         fields: Field::ALL.to_vec(),
+        report: Report::Particles(ParticleReport::one_step()),
         diagnostics: vec![Diagnostic {
             name: "kinetic_energy".to_owned(),
             value: -0.0,
@@ -118,13 +120,7 @@ fn unknown_tags_and_arbitrary_bytes_are_refused_without_panic() {
 #[test]
 fn messages_above_the_limit_are_refused_both_ways() {
     let mut scene = toy::particle_scene();
-    scene.walls = vec![
-        Wall {
-            a: [0.0, 0.0],
-            b: [1.0, 0.0]
-        };
-        3000
-    ];
+    scene.walls = vec![Wall::segment([0.0, 0.0], [1.0, 0.0]); 3000];
     let message = ToEngine::Configure(Configure::Particles {
         scene: Box::new(scene),
         grain_count: 0,

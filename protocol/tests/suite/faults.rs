@@ -63,7 +63,7 @@ fn another_protocol_version_ends_the_handshake_with_both_numbers() {
         send(
             &mut *link,
             &ToCoupler::Hello(Hello {
-                protocol: 2,
+                protocol: 1,
                 ..hello()
             }),
         );
@@ -73,7 +73,7 @@ fn another_protocol_version_ends_the_handshake_with_both_numbers() {
     .unwrap_err();
     assert_eq!(
         error.to_string(),
-        "handshake with the fluid: it speaks protocol 2, this process speaks 1"
+        "handshake with the fluid: it speaks protocol 1, this process speaks 2"
     );
     assert_eq!(error.exit_code(), 3);
     // The same when already the header of the message says so.
@@ -251,9 +251,10 @@ fn absurd_counts_are_refused_before_anything_is_allocated() {
         link.receive_message(Wait::new(0, "Configure", Duration::from_secs(5)))?;
         let ready = Ready::Mesh {
             epoch: 1,
+            dimension: 2,
             nodes: u64::MAX,
-            triangles: 1,
-            period: [None, None],
+            simplices: 1,
+            period: vec![None, None],
         };
         send(&mut *link, &ToCoupler::Ready(ready));
         linger(&mut *link);

@@ -7,7 +7,7 @@ use protocol::field::{Exchange, FIELDS, Field, FieldSpec, Rank, Support, Unit};
 fn numbers(spec: &FieldSpec) -> String {
     let each = match spec.support {
         Support::Node => "n",
-        Support::Triangle => "t",
+        Support::Simplex => "s",
         Support::Grain => "g",
     };
     match spec.rank {
@@ -81,7 +81,7 @@ fn the_table_of_the_readme_is_that_of_the_code() {
 #[test]
 fn ids_and_names_are_unique_and_rows_are_found_by_both() {
     for (place, spec) in FIELDS.iter().enumerate() {
-        println!("{place} {} {} {}", spec.id, spec.name, spec.field.unit());
+        println!("{place} {} {} {}", spec.id, spec.name, spec.field.unit(2));
         assert_eq!(usize::from(variant(spec.field)), place);
         assert_eq!(spec.field.spec(), spec);
         assert_eq!(Field::from_id(spec.id), Some(spec.field));

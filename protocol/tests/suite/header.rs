@@ -10,6 +10,7 @@ const EXPECTED: Expected = Expected {
     step: 12,
     pass: 1,
     stage: Stage::Advance,
+    dimension: 2,
     entities: 5,
     time: 0.25,
 };
@@ -47,7 +48,7 @@ fn each_wrong_header_value_is_refused_by_name() {
     good.validate("fluid", &EXPECTED, &payload).unwrap();
     type Spoil = fn(&mut FieldHeader);
     let wrong: [(&str, Spoil); 12] = [
-        ("protocol", |h| h.protocol = 2),
+        ("protocol", |h| h.protocol = 1),
         ("field", |h| h.field = Field::SolidFlux.id()),
         ("field", |h| h.field = 999),
         ("epoch", |h| h.epoch = 2),
@@ -113,7 +114,7 @@ fn a_value_that_is_not_finite_is_named_with_its_place() {
     }
     let mut long = vec![1.0; 1000];
     long[777] = f64::NAN;
-    let error = require_finite("particles", 3, Field::GrainRadius, &long).unwrap_err();
+    let error = require_finite("particles", 3, (Field::GrainRadius, 2), &long).unwrap_err();
     assert_eq!(
         error.to_string(),
         "grain_radius of the particles is NaN at grain 777 (component 0), step 3"

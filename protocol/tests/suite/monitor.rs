@@ -17,7 +17,7 @@ fn diagnostics(value: f64) -> Vec<Diagnostic> {
 /// The coupler's part: 200 steps, a snapshot every 50, until it is told to stop.
 fn coupler(runspace: &RunSpace) {
     let mut sender = MonitorSender::connect(runspace).unwrap().unwrap();
-    sender.started(&[], None, &[0.1, 0.2, 0.3]).unwrap();
+    sender.started(2, &[], None, &[0.1, 0.2, 0.3]).unwrap();
     let mut last = 0;
     for step in 1..=200_u32 {
         sender.step(diagnostics(f64::from(step))).unwrap();

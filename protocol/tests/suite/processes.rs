@@ -179,8 +179,7 @@ fn two_runs_at_once_do_not_meet() {
         assert_eq!(
             link.configure_fluid(&toy::fluid_scene(cells))
                 .unwrap()
-                .triangles
-                .len(),
+                .simplex_count(),
             2 * cells
         );
     }

@@ -6,12 +6,12 @@ use std::path::Path;
 use std::time::Duration;
 
 use protocol::engine::{
-    FluidAnswer, FluidEngine, FluidForces, GrainAnswer, InitialGrains, MeshDescription,
-    ParticleEngine, SolidResponse,
+    Computed, FluidEngine, InitialGrains, Inputs, MeshDescription, Outputs, ParticleEngine,
 };
 use protocol::field::Field;
 use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
 use protocol::partner::Partner;
+use protocol::report::{FluidReport, ParticleReport};
 use protocol::scene::{
     Boundary, Diagonals, FluidScene, MeshSource, Nonlinear, ParticleScene, TimeScheme, ViscousForm,
 };
@@ -60,15 +60,16 @@ impl ToyFluid {
 /// A scene whose mesh is a strip of `cells` squares.
 pub fn fluid_scene(cells: usize) -> FluidScene {
     FluidScene {
+        dimension: 2,
         density: 1200.0,
         dynamic_viscosity: 0.12,
-        gravity: [0.0, -9.81],
+        gravity: vec![0.0, -9.81],
         mesh: MeshSource::Rectangle {
-            lower: [0.0, 0.0],
-            upper: [1.0, 0.5],
-            cells: [cells, 1],
+            lower: vec![0.0, 0.0],
+            upper: vec![1.0, 0.5],
+            cells: vec![cells, 1],
             diagonals: Diagonals::Uniform,
-            grading: [1.0, 1.0],
+            grading: vec![1.0, 1.0],
         },
         boundaries: [("all".to_owned(), Boundary::NoSlip)].into(),
         convection: true.into(),
@@ -76,7 +77,7 @@ pub fn fluid_scene(cells: usize) -> FluidScene {
         nonlinear: Nonlinear::Picard,
         viscous_form: ViscousForm::Symmetric,
         grad_div: 1.0,
-        initial_velocity: [0.0, 0.0],
+        initial_velocity: vec![0.0, 0.0],
         threads: 1,
     }
 }
@@ -86,7 +87,8 @@ fn strip(cells: usize) -> MeshDescription {
     let node = |column: usize, row: usize| (row * columns + column) as u32;
     let place = |n: u32| [f64::from(n % columns as u32), f64::from(n / columns as u32)];
     let mut mesh = MeshDescription {
-        period: [Some(2.0), None],
+        dimension: 2,
+        period: vec![Some(2.0), None],
         ..MeshDescription::default()
     };
     for n in 0..2 * columns as u32 {
@@ -100,13 +102,9 @@ fn strip(cells: usize) -> MeshDescription {
             node(cell + 1, 1),
             node(cell, 1),
         );
-        mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        mesh.simplex_nodes.extend([a, b, c, a, c, d]);
     }
-    for corners in &mesh.triangles {
-        let [p, q, r] = corners.map(place);
-        mesh.triangle_position
-            .push([p[0], p[1], q[0], q[1], r[0], r[1]]);
-    }
+    mesh.simplex_position = mesh.simplex_nodes.iter().flat_map(|&n| place(n)).collect();
     mesh
 }
 
@@ -118,7 +116,7 @@ impl FluidEngine for ToyFluid {
         vec![Capability::Checkpoint]
     }
     fn configure(&mut self, scene: &FluidScene) -> Result<MeshDescription, Failure> {
-        let MeshSource::Rectangle { cells, .. } = scene.mesh else {
+        let MeshSource::Rectangle { cells, .. } = &scene.mesh else {
             return Err(Failure::new(FailureKind::Scene, "only rectangles"));
         };
         let mesh = strip(cells[0]);
@@ -128,9 +126,9 @@ impl FluidEngine for ToyFluid {
     fn advance(
         &mut self,
         request: &Advance,
-        solid: &SolidResponse<'_>,
-        answer: FluidAnswer<'_>,
-    ) -> Result<Vec<Diagnostic>, Failure> {
+        inputs: &Inputs<'_>,
+        mut outputs: Outputs<'_>,
+    ) -> Result<Computed<FluidReport>, Failure> {
         if request.step == 2 {
             match self.fault {
                 Fault::Panic => panic!("the toy breaks"),
@@ -145,27 +143,34 @@ impl FluidEngine for ToyFluid {
             }
         }
         let nodes = self.accepted.len();
-        let porosity = |n: usize| solid.porosity.map_or(1.0, |values| values[n]);
+        let [porosity, source] = [Field::Porosity, Field::DragSource].map(|f| inputs.get(f));
+        let porosity = |n: usize| porosity.map_or(1.0, |values| values[n]);
         self.candidate = (0..nodes)
             .map(|n| (self.accepted[n] + request.dt) / porosity(n))
             .collect();
-        answer.pressure.copy_from_slice(&self.candidate);
+        outputs
+            .take(Field::Pressure)
+            .copy_from_slice(&self.candidate);
+        let velocity = outputs.take(Field::InterstitialVelocity);
+        let gradient = outputs.take(Field::PressureGradient);
         for n in 0..nodes {
-            let [x, y] = [0, 1].map(|k| solid.drag_source.map_or(0.0, |s| s[2 * n + k]));
-            answer.interstitial_velocity[2 * n..2 * n + 2].copy_from_slice(&[x.sin(), y.cos()]);
-            answer.pressure_gradient[2 * n..2 * n + 2]
-                .copy_from_slice(&[self.candidate[n].sqrt(), request.time]);
+            let [x, y] = [0, 1].map(|k| source.map_or(0.0, |s| s[2 * n + k]));
+            velocity[2 * n..2 * n + 2].copy_from_slice(&[x.sin(), y.cos()]);
+            gradient[2 * n..2 * n + 2].copy_from_slice(&[self.candidate[n].sqrt(), request.time]);
         }
         if request.step == 2 && self.fault == Fault::NotANumber {
-            answer.pressure_gradient[2 * 3 + 1] = f64::NEG_INFINITY;
+            gradient[2 * 3 + 1] = f64::NEG_INFINITY;
         }
         if request.step == 2 && self.fault == Fault::Forgets {
-            answer.interstitial_velocity[4] = f64::NAN;
+            velocity[4] = f64::NAN;
         }
-        Ok(vec![Diagnostic {
-            name: "kinetic_energy".to_owned(),
-            value: self.candidate.iter().sum(),
-        }])
+        Ok(Computed {
+            report: FluidReport::default(),
+            diagnostics: vec![Diagnostic {
+                name: "kinetic_energy".to_owned(),
+                value: self.candidate.iter().sum(),
+            }],
+        })
     }
     fn commit(&mut self) -> Result<(), Failure> {
         self.accepted.clone_from(&self.candidate);
@@ -209,9 +214,10 @@ impl ToyGrains {
 
 pub fn particle_scene() -> ParticleScene {
     ParticleScene {
-        gravity: [0.0, -9.81],
+        dimension: 2,
+        gravity: vec![0.0, -9.81],
         walls: Vec::new(),
-        period: [None, None],
+        period: vec![None, None],
         friction: 0.0,
         wall_friction: 0.0,
         inertia_factor: 0.5,
@@ -225,6 +231,7 @@ pub fn particle_scene() -> ParticleScene {
 /// `count` grains in a row.
 pub fn grains(count: usize) -> InitialGrains {
     InitialGrains {
+        dimension: 2,
         position: (0..2 * count).map(|k| k as f64 * 0.5).collect(),
         velocity: vec![0.0; 2 * count],
         radius: vec![0.1; count],
@@ -252,26 +259,29 @@ impl ParticleEngine for ToyGrains {
     fn advance(
         &mut self,
         request: &Advance,
-        fluid: &FluidForces<'_>,
-        answer: GrainAnswer<'_>,
-    ) -> Result<Vec<Diagnostic>, Failure> {
+        inputs: &Inputs<'_>,
+        mut outputs: Outputs<'_>,
+    ) -> Result<Computed<ParticleReport>, Failure> {
+        let [drag, force] = [Field::GrainDrag, Field::GrainForce].map(|field| inputs.get(field));
         self.candidate = self.accepted.clone();
         for k in 0..self.accepted.position.len() {
             let mass = self.accepted.mass[k / 2];
-            let drag = fluid.drag.map_or(0.0, |gamma| gamma[k / 2]);
-            let force = fluid.force.map_or(0.0, |q| q[k]);
+            let drag = drag.map_or(0.0, |gamma| gamma[k / 2]);
+            let force = force.map_or(0.0, |q| q[k]);
             let velocity = (mass * self.accepted.velocity[k] + request.dt * force)
                 / (mass + drag * request.dt);
             self.candidate.velocity[k] = velocity;
             self.candidate.position[k] += request.dt * velocity;
         }
-        answer.position.copy_from_slice(&self.candidate.position);
-        answer.velocity.copy_from_slice(&self.candidate.velocity);
-        answer
-            .mean_velocity
-            .copy_from_slice(&self.candidate.velocity);
-        answer.contact.fill(0.0);
-        Ok(Vec::new())
+        for (field, values) in [
+            (Field::GrainPosition, &self.candidate.position),
+            (Field::GrainVelocity, &self.candidate.velocity),
+            (Field::GrainMeanVelocity, &self.candidate.velocity),
+        ] {
+            outputs.take(field).copy_from_slice(values);
+        }
+        outputs.take(Field::GrainContact).fill(0.0);
+        Ok(ParticleReport::one_step().into())
     }
     fn commit(&mut self) -> Result<(), Failure> {
         self.accepted.clone_from(&self.candidate);
@@ -308,7 +318,7 @@ pub fn request(step: u64, pass: u32) -> Advance {
 /// Four steps with two passes each and one rejected step; returns every bit that came back.
 pub fn fluid_run(fluid: &mut Partner, cells: usize) -> Vec<u64> {
     let mesh = fluid.configure_fluid(&fluid_scene(cells)).unwrap();
-    assert_eq!(mesh.triangles.len(), 2 * cells);
+    assert_eq!(mesh.simplex_count(), 2 * cells);
     let nodes = mesh.nodal_mass.len();
     let mut bits: Vec<u64> = mesh.node_position.iter().map(|x| x.to_bits()).collect();
     for step in 1..=4 {

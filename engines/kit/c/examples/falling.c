@@ -13,9 +13,11 @@
 
 typedef struct {
     size_t count;
-    double gravity[2];
+    /* Of the space; coordinates of all grains. */
+    size_t dimension, numbers;
+    double gravity[3];
     double *mass, *fixed;
-    /* 4 count numbers each: positions, then velocities. */
+    /* 2 numbers each: positions, then velocities. */
     double *accepted, *candidate;
 } model;
 
@@ -32,44 +34,56 @@ static int32_t configure(sillage_engine *engine, void *user, const sillage_parti
 {
     model *m = user;
     m->count = grains->count;
-    memcpy(m->gravity, scene->gravity, sizeof m->gravity);
+    m->dimension = scene->dimension;
+    m->numbers = m->dimension * m->count;
+    memcpy(m->gravity, scene->gravity, m->dimension * sizeof *m->gravity);
     m->mass = copy_of(grains->mass, m->count);
     m->fixed = copy_of(grains->fixed, m->count);
-    m->accepted = malloc((4 * m->count + 1) * sizeof *m->accepted);
-    m->candidate = malloc((4 * m->count + 1) * sizeof *m->candidate);
+    m->accepted = malloc((2 * m->numbers + 1) * sizeof *m->accepted);
+    m->candidate = malloc((2 * m->numbers + 1) * sizeof *m->candidate);
     if (!m->mass || !m->fixed || !m->accepted || !m->candidate)
         return sillage_fail(engine, SILLAGE_FAILURE_ENGINE, "no memory for the grains");
-    memcpy(m->accepted, grains->position, 2 * m->count * sizeof(double));
-    memcpy(m->accepted + 2 * m->count, grains->velocity, 2 * m->count * sizeof(double));
+    memcpy(m->accepted, grains->position, m->numbers * sizeof(double));
+    memcpy(m->accepted + m->numbers, grains->velocity, m->numbers * sizeof(double));
     return 0;
 }
 
 static int32_t advance(sillage_engine *engine, void *user, const sillage_request *request,
-                       const sillage_fluid_forces *fluid, const sillage_grain_answer *answer)
+                       const sillage_inputs *inputs, const sillage_outputs *outputs,
+                       sillage_particle_report *report)
 {
     model *m = user;
-    const size_t n = 2 * m->count;
+    const size_t n = m->numbers, d = m->dimension;
     const double dt = request->dt;
+    /* NULL: not sent, zero everywhere. */
+    const double *gamma = sillage_input(inputs, SILLAGE_FIELD_GRAIN_DRAG);
+    const double *q = sillage_input(inputs, SILLAGE_FIELD_GRAIN_FORCE);
+    double *position = sillage_output(outputs, SILLAGE_FIELD_GRAIN_POSITION);
+    double *velocity = sillage_output(outputs, SILLAGE_FIELD_GRAIN_VELOCITY);
+    double *mean_velocity = sillage_output(outputs, SILLAGE_FIELD_GRAIN_MEAN_VELOCITY);
+    double *contact = sillage_output(outputs, SILLAGE_FIELD_GRAIN_CONTACT);
     double energy = 0.0;
     memcpy(m->candidate, m->accepted, 2 * n * sizeof(double));
     for (size_t k = 0; k < n; ++k) {
         double *x = &m->candidate[k], *v = &m->candidate[n + k];
-        const double mass = m->mass[k / 2];
-        const double drag = fluid->drag ? fluid->drag[k / 2] : 0.0;
-        const double force = fluid->force ? fluid->force[k] : 0.0;
-        answer->mean_velocity[k] = 0.0;
-        if (m->fixed[k / 2] == 0.0) {
+        const double mass = m->mass[k / d];
+        const double drag = gamma ? gamma[k / d] : 0.0;
+        const double force = q ? q[k] : 0.0;
+        mean_velocity[k] = 0.0;
+        if (m->fixed[k / d] == 0.0) {
             /* (m + drag dt) v = m v_old + dt (m g + q): the drag at the end of the step */
-            *v = (mass * *v + dt * (mass * m->gravity[k % 2] + force)) / (mass + dt * drag);
+            *v = (mass * *v + dt * (mass * m->gravity[k % d] + force)) / (mass + dt * drag);
             *x += dt * *v;
-            answer->mean_velocity[k] = *v;
+            mean_velocity[k] = *v;
             energy += 0.5 * mass * *v * *v;
         }
-        answer->position[k] = *x;
-        answer->velocity[k] = *v;
+        position[k] = *x;
+        velocity[k] = *v;
     }
-    memset(answer->contact, 0, m->count * sizeof(double));
-    return sillage_report(engine, "kinetic_energy", energy) == 0 && sillage_report(engine, "sub_steps", 1) == 0
+    memset(contact, 0, m->count * sizeof(double));
+    /* Every particle engine owes this one: the coupler goes by it. */
+    report->sub_steps = 1;
+    return sillage_diagnostic(engine, "kinetic_energy", energy) == 0
                ? 0
                : sillage_fail(engine, SILLAGE_FAILURE_NOT_FINITE, sillage_last_error());
 }
@@ -78,7 +92,7 @@ static int32_t commit(sillage_engine *engine, void *user)
 {
     model *m = user;
     (void)engine;
-    memcpy(m->accepted, m->candidate, 4 * m->count * sizeof(double));
+    memcpy(m->accepted, m->candidate, 2 * m->numbers * sizeof(double));
     return 0;
 }
 
@@ -86,8 +100,8 @@ static int32_t save(sillage_engine *engine, void *user, const char *path)
 {
     const model *m = user;
     FILE *file = fopen(path, "wb");
-    size_t written = file ? fwrite(m->accepted, sizeof(double), 4 * m->count, file) : 0;
-    if (!file || fclose(file) != 0 || written != 4 * m->count)
+    size_t written = file ? fwrite(m->accepted, sizeof(double), 2 * m->numbers, file) : 0;
+    if (!file || fclose(file) != 0 || written != 2 * m->numbers)
         return sillage_fail(engine, SILLAGE_FAILURE_ENGINE, "the checkpoint cannot be written");
     return 0;
 }
@@ -97,10 +111,10 @@ static int32_t restore(sillage_engine *engine, void *user, const char *path)
     model *m = user;
     FILE *file = fopen(path, "rb");
     /* One number more than there may be: a longer file is another run's. */
-    double *numbers = malloc((4 * m->count + 1) * sizeof *numbers);
-    size_t found = file && numbers ? fread(numbers, sizeof(double), 4 * m->count + 1, file) : 0;
+    double *numbers = malloc((2 * m->numbers + 1) * sizeof *numbers);
+    size_t found = file && numbers ? fread(numbers, sizeof(double), 2 * m->numbers + 1, file) : 0;
     int32_t result = 0;
-    if (found == 4 * m->count)
+    if (found == 2 * m->numbers)
         memcpy(m->accepted, numbers, found * sizeof *numbers);
     else
         result = sillage_fail(engine, SILLAGE_FAILURE_ENGINE, "not a checkpoint of these grains");

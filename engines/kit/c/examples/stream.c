@@ -18,9 +18,11 @@ static int32_t configure(sillage_engine *engine, void *user, const sillage_fluid
                          sillage_mesh *mesh)
 {
     model *m = user;
-    const uint64_t nx = scene->cells[0], ny = scene->cells[1];
+    if (scene->dimension != 2)
+        return sillage_fail(engine, SILLAGE_FAILURE_SCENE, "stream is for two dimensions");
     if (scene->mesh_file)
         return sillage_fail(engine, SILLAGE_FAILURE_SCENE, "stream takes rectangles, no mesh files");
+    const uint64_t nx = scene->cells[0], ny = scene->cells[1];
     for (uint32_t b = 0; b < scene->boundary_count; ++b)
         if (scene->boundaries[b].condition == SILLAGE_PERIODIC)
             return sillage_fail(engine, SILLAGE_FAILURE_SCENE, "stream has no periodic sides");
@@ -46,23 +48,27 @@ static int32_t configure(sillage_engine *engine, void *user, const sillage_fluid
     /* Corner coordinates and nodal masses are left to the library. */
     mesh->node_count = (nx + 1) * (ny + 1);
     mesh->node_position = m->node_position;
-    mesh->triangle_count = 2 * nx * ny;
-    mesh->triangles = m->triangles;
+    mesh->simplex_count = 2 * nx * ny;
+    mesh->simplex_nodes = m->triangles;
     return 0;
 }
 
 static int32_t advance(sillage_engine *engine, void *user, const sillage_request *request,
-                       const sillage_solid_response *solid, const sillage_fluid_answer *answer)
+                       const sillage_inputs *inputs, const sillage_outputs *outputs,
+                       sillage_fluid_report *report)
 {
     const model *m = user;
-    (void)engine, (void)request, (void)solid;
-    for (uint64_t node = 0; node < answer->count; ++node) {
+    double *velocity = sillage_output(outputs, SILLAGE_FIELD_INTERSTITIAL_VELOCITY);
+    double *gradient = sillage_output(outputs, SILLAGE_FIELD_PRESSURE_GRADIENT);
+    double *pressure = sillage_output(outputs, SILLAGE_FIELD_PRESSURE);
+    (void)engine, (void)inputs, (void)report;
+    for (uint64_t node = 0; node < request->count; ++node) {
         const double *x = &m->node_position[2 * node];
         for (unsigned axis = 0; axis < 2; ++axis) {
-            answer->interstitial_velocity[2 * node + axis] = m->velocity[axis];
-            answer->pressure_gradient[2 * node + axis] = m->weight[axis];
+            velocity[2 * node + axis] = m->velocity[axis];
+            gradient[2 * node + axis] = m->weight[axis];
         }
-        answer->pressure[node] = m->weight[0] * x[0] + m->weight[1] * x[1];
+        pressure[node] = m->weight[0] * x[0] + m->weight[1] * x[1];
     }
     return 0;
 }

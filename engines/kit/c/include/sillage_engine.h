@@ -8,7 +8,8 @@
  *     sillage_engine_free(engine);
  *     return code;
  *
- * Units are SI, vectors are interleaved (x0, y0, x1, y1, ...), disks are per metre of depth.
+ * Units are SI, vectors are interleaved (x0, y0, x1, y1, ...) and have as many numbers as the space has
+ * dimensions, disks are per metre of depth.
  *
  * Memory. Everything that the library hands to a function of the engine belongs to the library and
  * is valid until that function returns. What an engine hands to the library is copied before the
@@ -18,7 +19,7 @@
  * each thread. Functions of the engine return 0, or what sillage_fail() returned.
  *
  * Threads. The engine's functions are called one after the other on the thread that called
- * sillage_run_...; sillage_fail() and sillage_report() may be called from any thread. No C++
+ * sillage_run_...; sillage_fail() and sillage_diagnostic() may be called from any thread. No C++
  * exception and no longjmp may leave a function of the engine: the process would abort.
  *
  * Signals. sillage_run_...() sets handlers for SIGTERM, SIGHUP, SIGINT (leave the run, exit with 128 +
@@ -35,7 +36,7 @@
 /*
  Version of this interface; compare with sillage_abi_version().
  */
-#define SILLAGE_ABI_VERSION 1
+#define SILLAGE_ABI_VERSION 2
 
 /*
  Fluid: the entrained fraction and the solid mobility are used, not only drag and source.
@@ -76,6 +77,81 @@
  An iteration did not converge (exit code 8).
  */
 #define SILLAGE_FAILURE_NOT_CONVERGED 8
+
+/*
+ Porosity φ. (–; scalar)
+ */
+#define SILLAGE_FIELD_POROSITY 10
+
+/*
+ Drag coefficient β per volume of the mixture. (kg/(m³ s); scalar)
+ */
+#define SILLAGE_FIELD_DRAG 11
+
+/*
+ Drag source s. (N/m³; vector)
+ */
+#define SILLAGE_FIELD_DRAG_SOURCE 12
+
+/*
+ Entrained solid fraction c. (–; scalar)
+ */
+#define SILLAGE_FIELD_ENTRAINED_FRACTION 13
+
+/*
+ Solid flux j⁰. (m/s; vector)
+ */
+#define SILLAGE_FIELD_SOLID_FLUX 14
+
+/*
+ Solid mobility κ. (m³ s/kg; scalar)
+ */
+#define SILLAGE_FIELD_SOLID_MOBILITY 15
+
+/*
+ Interstitial velocity v_α = u_α/φ_α. (m/s; vector)
+ */
+#define SILLAGE_FIELD_INTERSTITIAL_VELOCITY 20
+
+/*
+ Pressure gradient ℓ_α⁻¹ ∫N_α ∇p. (Pa/m; vector)
+ */
+#define SILLAGE_FIELD_PRESSURE_GRADIENT 21
+
+/*
+ Pressure p. (Pa; scalar)
+ */
+#define SILLAGE_FIELD_PRESSURE 22
+
+/*
+ Centres. (m; vector)
+ */
+#define SILLAGE_FIELD_GRAIN_POSITION 30
+
+/*
+ Velocities, of the end of the step. (m/s; vector)
+ */
+#define SILLAGE_FIELD_GRAIN_VELOCITY 31
+
+/*
+ (xⁿ⁺¹ − xⁿ)/Δt, before wrapping. (m/s; vector)
+ */
+#define SILLAGE_FIELD_GRAIN_MEAN_VELOCITY 32
+
+/*
+ Drag coefficient γ, constant over the step, taken implicitly. (kg/s; scalar)
+ */
+#define SILLAGE_FIELD_GRAIN_DRAG 40
+
+/*
+ Force q = γ v_f − V∇p, which does not depend on the grain's velocity. (N; vector)
+ */
+#define SILLAGE_FIELD_GRAIN_FORCE 41
+
+/*
+ 0 free, 1 touches, 2 held by a wall or a fixed grain. (–; scalar)
+ */
+#define SILLAGE_FIELD_GRAIN_CONTACT 42
 
 /*
  Boundary: u = 0.
@@ -128,6 +204,16 @@
 typedef struct sillage_engine sillage_engine;
 
 /*
+ Fields that came with a request; valid until advance() returns.
+ */
+typedef struct sillage_inputs sillage_inputs;
+
+/*
+ Fields of the candidate, to be filled; valid until advance() returns.
+ */
+typedef struct sillage_outputs sillage_outputs;
+
+/*
  The condition on a named boundary. Velocities are superficial.
  */
 typedef struct sillage_boundary {
@@ -141,9 +227,9 @@ typedef struct sillage_boundary {
      */
     uint32_t condition;
     /*
-     Velocity of an inflow (m/s).
+     Velocity of an inflow (m/s), `dimension` numbers; NULL where there is none.
      */
-    double velocity[2];
+    const double *velocity;
     /*
      Pressure of an open boundary (Pa).
      */
@@ -151,45 +237,13 @@ typedef struct sillage_boundary {
 } sillage_boundary;
 
 /*
- What a fluid engine is configured with.
+ What a fluid engine is configured with. Vectors have `dimension` numbers.
  */
 typedef struct sillage_fluid_scene {
     /*
-     Density (kg/m3).
+     Dimension of the space, 2 or 3. An engine that cannot do it fails with SILLAGE_FAILURE_SCENE.
      */
-    double density;
-    /*
-     Dynamic viscosity (Pa s).
-     */
-    double dynamic_viscosity;
-    /*
-     g (m/s2).
-     */
-    double gravity[2];
-    /*
-     A Gmsh 4.1 file; NULL: a rectangle.
-     */
-    const char *mesh_file;
-    /*
-     Rectangle: lower left corner (m).
-     */
-    double lower[2];
-    /*
-     Rectangle: upper right corner (m).
-     */
-    double upper[2];
-    /*
-     Rectangle: cells in x and y, two triangles each.
-     */
-    uint64_t cells[2];
-    /*
-     Rectangle: ratio of the largest to the smallest cell in x and y, both ends refined.
-     */
-    double grading[2];
-    /*
-     Rectangle: 0: diagonals alternate from cell to cell, 1: all the same.
-     */
-    uint32_t uniform_diagonals;
+    uint32_t dimension;
     /*
      Number of boundaries.
      */
@@ -199,6 +253,43 @@ typedef struct sillage_fluid_scene {
      */
     const struct sillage_boundary *boundaries;
     /*
+     Density (kg/m3).
+     */
+    double density;
+    /*
+     Dynamic viscosity (Pa s).
+     */
+    double dynamic_viscosity;
+    /*
+     g (m/s2), a vector.
+     */
+    const double *gravity;
+    /*
+     A Gmsh 4.1 file; NULL: a rectangle.
+     */
+    const char *mesh_file;
+    /*
+     Rectangle: lower left corner (m), a vector; NULL with a file.
+     */
+    const double *lower;
+    /*
+     Rectangle: upper right corner (m), a vector; NULL with a file.
+     */
+    const double *upper;
+    /*
+     Rectangle: cells along each axis, two triangles each; NULL with a file.
+     */
+    const uint64_t *cells;
+    /*
+     Rectangle: ratio of the largest to the smallest cell along each axis, both ends refined; NULL
+     with a file.
+     */
+    const double *grading;
+    /*
+     Rectangle: 0: diagonals alternate from cell to cell, 1: all the same.
+     */
+    uint32_t uniform_diagonals;
+    /*
      0: creeping flow, no v.grad v.
      */
     uint32_t convection;
@@ -206,6 +297,10 @@ typedef struct sillage_fluid_scene {
      One of SILLAGE_BACKWARD_EULER, SILLAGE_BDF2, SILLAGE_STEADY.
      */
     uint32_t time_scheme;
+    /*
+     0: -div(2 mu phi D(v)), 1: the paper's three terms as printed.
+     */
+    uint32_t paper_literal_viscosity;
     /*
      Newton to this relative residual within a step; 0: one linear solve.
      */
@@ -215,26 +310,22 @@ typedef struct sillage_fluid_scene {
      */
     uint64_t newton_iterations_max;
     /*
-     0: -div(2 mu phi D(v)), 1: the paper's three terms as printed.
-     */
-    uint32_t paper_literal_viscosity;
-    /*
-     Threads the engine may use.
-     */
-    uint32_t threads;
-    /*
      Factor of a grad-div stabilisation.
      */
     double grad_div;
     /*
-     Uniform initial superficial velocity (m/s).
+     Uniform initial superficial velocity (m/s), a vector.
      */
-    double initial_velocity[2];
+    const double *initial_velocity;
+    /*
+     Threads the engine may use.
+     */
+    uint32_t threads;
 } sillage_fluid_scene;
 
 /*
  The mesh, to be filled by configure(): pointers to the engine's arrays, which must stay until it
- has returned. Every pointer is NULL before.
+ has returned. Every pointer is NULL before. d is the scene's dimension.
  */
 typedef struct sillage_mesh {
     /*
@@ -242,30 +333,30 @@ typedef struct sillage_mesh {
      */
     uint64_t node_count;
     /*
-     Node coordinates (m), 2 node_count numbers.
+     Node coordinates (m), d node_count numbers.
      */
     const double *node_position;
     /*
-     Number of triangles.
+     Number of simplices (triangles in the plane).
      */
-    uint64_t triangle_count;
+    uint64_t simplex_count;
     /*
-     Nodes of each triangle, counter-clockwise, 3 triangle_count numbers.
+     Nodes of each simplex, positively oriented (counter-clockwise), (d + 1) simplex_count numbers.
      */
-    const uint32_t *triangles;
+    const uint32_t *simplex_nodes;
     /*
-     Corner coordinates of each triangle (m), unwrapped across periodic sides, 6 triangle_count
-     numbers; NULL: those of its nodes.
+     Coordinates of each simplex's corners (m), unwrapped across periodic sides, d (d + 1)
+     simplex_count numbers; NULL: those of its nodes.
      */
-    const double *triangle_position;
+    const double *simplex_position;
     /*
-     Integral of each node's shape function (m2); NULL: a third of its triangles.
+     Integral of each node's shape function (m2; m3); NULL: an equal share of its simplices.
      */
     const double *nodal_mass;
     /*
-     Period in x and y (m); 0: not periodic.
+     Period along each axis (m), d numbers, 0 where there is none; NULL: not periodic.
      */
-    double period[2];
+    const double *period;
 } sillage_mesh;
 
 /*
@@ -296,63 +387,33 @@ typedef struct sillage_request {
      Relative accuracy asked of an inexact solve (contact): of |g| dt.
      */
     double tolerance;
+    /*
+     Number of nodes or grains.
+     */
+    uint64_t count;
+    /*
+     Dimension of the space: a vector has as many numbers.
+     */
+    uint32_t dimension;
 } sillage_request;
 
 /*
- What the coupler tells about the grains, at the nodes; NULL: porosity 1, all others 0.
+ What a fluid engine tells of a candidate. All may be left as they are: not known.
  */
-typedef struct sillage_solid_response {
+typedef struct sillage_fluid_report {
     /*
-     Number of nodes.
+     Power of the solid's terms as the equations had them (W; in the plane W/m); NaN before.
      */
-    uint64_t count;
+    double solid_power;
     /*
-     Porosity phi.
+     Reynolds number by which the engine judges whether convection matters; NaN before.
      */
-    const double *porosity;
+    double reynolds;
     /*
-     Drag beta (kg/(m3 s)).
+     Was v.grad v in the equations? 0, 1; -1 before.
      */
-    const double *drag;
-    /*
-     Drag source s (N/m3), 2 count numbers.
-     */
-    const double *drag_source;
-    /*
-     Entrained solid fraction c.
-     */
-    const double *entrained_fraction;
-    /*
-     Solid flux (m/s), 2 count numbers.
-     */
-    const double *solid_flux;
-    /*
-     Solid mobility kappa (m3 s/kg).
-     */
-    const double *solid_mobility;
-} sillage_solid_response;
-
-/*
- The candidate, to be filled: every number is NaN before, and refused if it stays so.
- */
-typedef struct sillage_fluid_answer {
-    /*
-     Number of nodes.
-     */
-    uint64_t count;
-    /*
-     Interstitial velocity u/phi (m/s), 2 count numbers.
-     */
-    double *interstitial_velocity;
-    /*
-     Pressure gradient averaged with each node's shape function (Pa/m), 2 count numbers.
-     */
-    double *pressure_gradient;
-    /*
-     Pressure (Pa).
-     */
-    double *pressure;
-} sillage_fluid_answer;
+    int32_t convects;
+} sillage_fluid_report;
 
 /*
  The functions of a fluid engine. Each returns 0, or what sillage_fail() returned. `user` is what
@@ -373,8 +434,9 @@ typedef struct sillage_fluid_calls {
     int32_t (*advance)(struct sillage_engine *engine,
                        void *user,
                        const struct sillage_request *request,
-                       const struct sillage_solid_response *solid,
-                       const struct sillage_fluid_answer *answer);
+                       const struct sillage_inputs *inputs,
+                       const struct sillage_outputs *outputs,
+                       struct sillage_fluid_report *report);
     /*
      The last candidate becomes the accepted state.
      */
@@ -390,39 +452,34 @@ typedef struct sillage_fluid_calls {
 } sillage_fluid_calls;
 
 /*
- A wall segment from a to b (m): grains stay on the left of a to b, and off both ends.
- */
-typedef struct sillage_wall {
-    /*
-     Start.
-     */
-    double a[2];
-    /*
-     End.
-     */
-    double b[2];
-} sillage_wall;
-
-/*
  What a particle engine is configured with.
  */
 typedef struct sillage_particle_scene {
     /*
-     g (m/s2); the engine applies the whole weight m g.
+     Dimension d of the space, 2 or 3. An engine that cannot do it fails with SILLAGE_FAILURE_SCENE.
      */
-    double gravity[2];
+    uint32_t dimension;
     /*
-     Period in x and y (m); 0: not periodic.
+     Threads the engine may use.
      */
-    double period[2];
+    uint32_t threads;
+    /*
+     g (m/s2), d numbers; the engine applies the whole weight m g.
+     */
+    const double *gravity;
+    /*
+     Period along each axis (m), d numbers; 0: not periodic.
+     */
+    const double *period;
     /*
      Number of walls.
      */
     uint64_t wall_count;
     /*
-     Walls.
+     Walls (m): d corners each, of d numbers. In the plane a segment from its first to its second
+     corner: grains stay on the left of it, and off both ends.
      */
-    const struct sillage_wall *walls;
+    const double *walls;
     /*
      Coulomb coefficient between grains.
      */
@@ -447,10 +504,6 @@ typedef struct sillage_particle_scene {
      Sub-steps allowed in a step; more is an error.
      */
     uint32_t sub_steps_max;
-    /*
-     Threads the engine may use.
-     */
-    uint32_t threads;
 } sillage_particle_scene;
 
 /*
@@ -463,11 +516,11 @@ typedef struct sillage_grains {
      */
     uint64_t count;
     /*
-     Centres (m), 2 count numbers.
+     Centres (m), d count numbers.
      */
     double *position;
     /*
-     Velocities (m/s), 2 count numbers.
+     Velocities (m/s), d count numbers.
      */
     double *velocity;
     /*
@@ -489,50 +542,18 @@ typedef struct sillage_grains {
 } sillage_grains;
 
 /*
- What the fluid does to the grains over a step; NULL: zero.
+ What a particle engine tells of a candidate.
  */
-typedef struct sillage_fluid_forces {
+typedef struct sillage_particle_report {
     /*
-     Number of grains.
+     Sub-steps that were taken: 0 before, which is refused, so it must be set.
      */
-    uint64_t count;
+    uint32_t sub_steps;
     /*
-     Drag coefficient (kg/s), constant over the step, to be taken implicitly: the drag on a grain is
-     -drag v.
+     Contacts that carry an impulse; -1 before: not known.
      */
-    const double *drag;
-    /*
-     Force that does not depend on the grain's velocity (N), 2 count numbers.
-     */
-    const double *force;
-} sillage_fluid_forces;
-
-/*
- The candidate, to be filled: every number is NaN before, and refused if it stays so.
- */
-typedef struct sillage_grain_answer {
-    /*
-     Number of grains.
-     */
-    uint64_t count;
-    /*
-     Centres at the end of the step (m), 2 count numbers.
-     */
-    double *position;
-    /*
-     Velocities at the end of the step (m/s), 2 count numbers.
-     */
-    double *velocity;
-    /*
-     Displacement over the step divided by dt (m/s), 2 count numbers.
-     */
-    double *mean_velocity;
-    /*
-     0: free, 1: touches, 2: held by a wall or a fixed grain (where SILLAGE_CONTACT_STATE is
-     declared).
-     */
-    double *contact;
-} sillage_grain_answer;
+    int64_t touching;
+} sillage_particle_report;
 
 /*
  The functions of a particle engine. Each returns 0, or what sillage_fail() returned. `user` is
@@ -553,8 +574,9 @@ typedef struct sillage_particle_calls {
     int32_t (*advance)(struct sillage_engine *engine,
                        void *user,
                        const struct sillage_request *request,
-                       const struct sillage_fluid_forces *fluid,
-                       const struct sillage_grain_answer *answer);
+                       const struct sillage_inputs *inputs,
+                       const struct sillage_outputs *outputs,
+                       struct sillage_particle_report *report);
     /*
      The last candidate becomes the accepted state.
      */
@@ -572,6 +594,27 @@ typedef struct sillage_particle_calls {
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
+
+/*
+ The numbers of an input, one of SILLAGE_FIELD_...: a scalar has `count` numbers, a vector
+ `count * dimension`. NULL: it was not sent, and is 0 everywhere (porosity: 1).
+
+ # Safety
+
+ `inputs` is what advance() was called with, and advance() has not returned.
+ */
+const double *sillage_input(const struct sillage_inputs *inputs, uint32_t field);
+
+/*
+ Room for a field of the candidate, one of SILLAGE_FIELD_...: every number is NaN before, and refused
+ if it stays so. NULL: this field is not of a candidate.
+
+ # Safety
+
+ `outputs` is what advance() was called with, and advance() has not returned.
+ */
+double *sillage_output(const struct sillage_outputs *outputs,
+                       uint32_t field);
 
 /*
  Take the fluid seat of the run that the environment names, serve the coupler until the run is
@@ -635,15 +678,15 @@ int32_t sillage_engine_declare(struct sillage_engine *engine, uint32_t capabilit
 int32_t sillage_fail(struct sillage_engine *engine, uint32_t kind, const char *why);
 
 /*
- Report a number of this candidate, e.g. ("kinetic_energy", 1.2e-6), within advance(): finite, SI
- units. From any thread. Returns 0 or -1.
+ Tell a number of this candidate, e.g. ("kinetic_energy", 1.2e-6), within advance(): finite, SI
+ units, for people. From any thread. Returns 0 or -1.
 
  # Safety
 
  `engine` came from sillage_engine_new() and is not freed yet; `name` is NULL or ends with a zero
  byte.
  */
-int32_t sillage_report(struct sillage_engine *engine, const char *name, double value);
+int32_t sillage_diagnostic(struct sillage_engine *engine, const char *name, double value);
 
 /*
  Why the last call of this thread went wrong; "" when none did. Valid until the next call of this

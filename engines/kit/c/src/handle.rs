@@ -46,11 +46,17 @@ pub struct Request {
     pub dt: f64,
     /// Relative accuracy asked of an inexact solve (contact): of |g| dt.
     pub tolerance: f64,
+    /// Number of nodes or grains.
+    pub count: u64,
+    /// Dimension of the space: a vector has as many numbers.
+    pub dimension: u32,
 }
 
 impl Request {
-    pub(crate) fn of(request: &Advance) -> Request {
+    pub(crate) fn of(request: &Advance, count: usize, dimension: usize) -> Request {
         Request {
+            count: count as u64,
+            dimension: dimension as u32,
             step: request.step,
             pass: request.pass,
             sub_steps: request.sub_steps,
@@ -262,15 +268,15 @@ pub unsafe extern "C" fn sillage_fail(engine: *mut Engine, kind: u32, why: *cons
     })
 }
 
-/// Report a number of this candidate, e.g. ("kinetic_energy", 1.2e-6), within advance(): finite, SI
-/// units. From any thread. Returns 0 or -1.
+/// Tell a number of this candidate, e.g. ("kinetic_energy", 1.2e-6), within advance(): finite, SI
+/// units, for people. From any thread. Returns 0 or -1.
 ///
 /// # Safety
 ///
 /// `engine` came from sillage_engine_new() and is not freed yet; `name` is NULL or ends with a zero
 /// byte.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn sillage_report(
+pub unsafe extern "C" fn sillage_diagnostic(
     engine: *mut Engine,
     name: *const c_char,
     value: f64,
@@ -337,7 +343,7 @@ mod tests {
             let silent = this.call("commit", || 3).expect_err("failed").why;
             assert_eq!(silent, "commit returned 3 and did not say why");
             assert_eq!(
-                this.call("advance", || sillage_report(engine, c"x".as_ptr(), 2.0))
+                this.call("advance", || sillage_diagnostic(engine, c"x".as_ptr(), 2.0))
                     .map(|d| d.len()),
                 Ok(1)
             );

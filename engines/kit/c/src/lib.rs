@@ -5,30 +5,38 @@
 //! | --- | --- |
 //! | `handle` | the engine's handle, its capabilities, failures and numbers, the last error |
 //! | `calls` | what both seats do the same way |
+//! | `fields`, `exchange` | the fields of a candidate: their numbers, and how an engine gets at them |
+//! | `scene`, `mesh` | what a fluid engine is configured with, and what it answers |
 //! | `particles`, `fluid` | the two seats: what crosses the border, and the engine behind it |
 //!
 //! Nothing unwinds into C: every entry point catches panics and turns them into an error.
 
 mod calls;
+mod exchange;
+mod fields;
 mod fluid;
 mod handle;
+mod mesh;
 mod particles;
+mod scene;
 
-pub use fluid::{
-    Boundary, FluidAnswer, FluidCalls, FluidScene, Mesh, SILLAGE_BACKWARD_EULER, SILLAGE_BDF2,
-    SILLAGE_INFLOW_PARABOLIC, SILLAGE_INFLOW_UNIFORM, SILLAGE_NO_SLIP, SILLAGE_OPEN,
-    SILLAGE_PERIODIC, SILLAGE_SLIP, SILLAGE_STEADY, SolidResponse, sillage_run_fluid,
-};
+pub use exchange::{Inputs, Outputs, sillage_input, sillage_output};
+pub use fields::*;
+pub use fluid::{FluidCalls, FluidReport, sillage_run_fluid};
 pub use handle::{
-    Engine, Request, sillage_abi_version, sillage_engine_declare, sillage_engine_free,
-    sillage_engine_new, sillage_fail, sillage_last_error, sillage_report,
+    Engine, Request, sillage_abi_version, sillage_diagnostic, sillage_engine_declare,
+    sillage_engine_free, sillage_engine_new, sillage_fail, sillage_last_error,
 };
-pub use particles::{
-    FluidForces, GrainAnswer, Grains, ParticleCalls, ParticleScene, Wall, sillage_run_particles,
+pub use mesh::Mesh;
+pub use particles::{Grains, ParticleCalls, ParticleReport, ParticleScene, sillage_run_particles};
+pub use scene::{
+    Boundary, FluidScene, SILLAGE_BACKWARD_EULER, SILLAGE_BDF2, SILLAGE_INFLOW_PARABOLIC,
+    SILLAGE_INFLOW_UNIFORM, SILLAGE_NO_SLIP, SILLAGE_OPEN, SILLAGE_PERIODIC, SILLAGE_SLIP,
+    SILLAGE_STEADY,
 };
 
 /// Version of this interface; compare with sillage_abi_version().
-pub const SILLAGE_ABI_VERSION: u32 = 1;
+pub const SILLAGE_ABI_VERSION: u32 = 2;
 
 /// Fluid: the entrained fraction and the solid mobility are used, not only drag and source.
 pub const SILLAGE_AFFINE_RESPONSE: u32 = 0;

@@ -3,36 +3,32 @@
 use std::ffi::{c_char, c_void};
 use std::path::Path;
 
-use protocol::engine::{self, InitialGrains, ParticleEngine, serve_particles};
+use protocol::engine::{self, Computed, InitialGrains, ParticleEngine, serve_particles};
 use protocol::ipc::engine_link;
-use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind, Role};
-use protocol::scene;
+use protocol::message::{Advance, Capability, Failure, FailureKind, Role};
+use protocol::{report, scene};
 
 use crate::calls::{Border, missing};
+use crate::exchange::{Inputs, Outputs};
 use crate::handle::{Engine, Request, WRONG, guarded, handle};
-
-/// A wall segment from a to b (m): grains stay on the left of a to b, and off both ends.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct Wall {
-    /// Start.
-    pub a: [f64; 2],
-    /// End.
-    pub b: [f64; 2],
-}
 
 /// What a particle engine is configured with.
 #[repr(C)]
 #[derive(Debug)]
 pub struct ParticleScene {
-    /// g (m/s2); the engine applies the whole weight m g.
-    pub gravity: [f64; 2],
-    /// Period in x and y (m); 0: not periodic.
-    pub period: [f64; 2],
+    /// Dimension d of the space, 2 or 3. An engine that cannot do it fails with SILLAGE_FAILURE_SCENE.
+    pub dimension: u32,
+    /// Threads the engine may use.
+    pub threads: u32,
+    /// g (m/s2), d numbers; the engine applies the whole weight m g.
+    pub gravity: *const f64,
+    /// Period along each axis (m), d numbers; 0: not periodic.
+    pub period: *const f64,
     /// Number of walls.
     pub wall_count: u64,
-    /// Walls.
-    pub walls: *const Wall,
+    /// Walls (m): d corners each, of d numbers. In the plane a segment from its first to its second
+    /// corner: grains stay on the left of it, and off both ends.
+    pub walls: *const f64,
     /// Coulomb coefficient between grains.
     pub friction: f64,
     /// Coulomb coefficient between grains and walls.
@@ -45,8 +41,6 @@ pub struct ParticleScene {
     pub sweeps_max: u64,
     /// Sub-steps allowed in a step; more is an error.
     pub sub_steps_max: u32,
-    /// Threads the engine may use.
-    pub threads: u32,
 }
 
 /// The grains when a run begins. The engine may change the numbers, and lower `count` to run the
@@ -56,9 +50,9 @@ pub struct ParticleScene {
 pub struct Grains {
     /// Number of grains.
     pub count: u64,
-    /// Centres (m), 2 count numbers.
+    /// Centres (m), d count numbers.
     pub position: *mut f64,
-    /// Velocities (m/s), 2 count numbers.
+    /// Velocities (m/s), d count numbers.
     pub velocity: *mut f64,
     /// Radii (m).
     pub radius: *mut f64,
@@ -70,34 +64,32 @@ pub struct Grains {
     pub fixed: *mut f64,
 }
 
-/// What the fluid does to the grains over a step; NULL: zero.
+/// What a particle engine tells of a candidate.
 #[repr(C)]
-#[derive(Debug)]
-pub struct FluidForces {
-    /// Number of grains.
-    pub count: u64,
-    /// Drag coefficient (kg/s), constant over the step, to be taken implicitly: the drag on a grain is
-    /// -drag v.
-    pub drag: *const f64,
-    /// Force that does not depend on the grain's velocity (N), 2 count numbers.
-    pub force: *const f64,
+#[derive(Debug, Clone, Copy)]
+pub struct ParticleReport {
+    /// Sub-steps that were taken: 0 before, which is refused, so it must be set.
+    pub sub_steps: u32,
+    /// Contacts that carry an impulse; -1 before: not known.
+    pub touching: i64,
 }
 
-/// The candidate, to be filled: every number is NaN before, and refused if it stays so.
-#[repr(C)]
-#[derive(Debug)]
-pub struct GrainAnswer {
-    /// Number of grains.
-    pub count: u64,
-    /// Centres at the end of the step (m), 2 count numbers.
-    pub position: *mut f64,
-    /// Velocities at the end of the step (m/s), 2 count numbers.
-    pub velocity: *mut f64,
-    /// Displacement over the step divided by dt (m/s), 2 count numbers.
-    pub mean_velocity: *mut f64,
-    /// 0: free, 1: touches, 2: held by a wall or a fixed grain (where SILLAGE_CONTACT_STATE is
-    /// declared).
-    pub contact: *mut f64,
+impl ParticleReport {
+    const NOTHING: ParticleReport = ParticleReport {
+        sub_steps: 0,
+        touching: -1,
+    };
+
+    fn report(&self) -> Result<report::ParticleReport, Failure> {
+        let report = report::ParticleReport::new(self.sub_steps).ok_or_else(|| {
+            let why = "advance left report->sub_steps 0: it must tell how many it took";
+            Failure::new(FailureKind::Engine, why)
+        })?;
+        Ok(report::ParticleReport {
+            touching: u64::try_from(self.touching).ok(),
+            ..report
+        })
+    }
 }
 
 /// The functions of a particle engine. Each returns 0, or what sillage_fail() returned. `user` is
@@ -121,8 +113,9 @@ pub struct ParticleCalls {
             engine: *mut Engine,
             user: *mut c_void,
             request: *const Request,
-            fluid: *const FluidForces,
-            answer: *const GrainAnswer,
+            inputs: *const Inputs,
+            outputs: *const Outputs,
+            report: *mut ParticleReport,
         ) -> i32,
     >,
     /// The last candidate becomes the accepted state.
@@ -166,7 +159,11 @@ pub unsafe extern "C" fn sillage_run_particles(
         };
         let given = (calls.configure.is_some(), calls.advance.is_some());
         border.run(Role::Particles, given, |run| {
-            let mut foreign = Foreign { border, calls };
+            let mut foreign = Foreign {
+                border,
+                calls,
+                dimension: 0,
+            };
             serve_particles(&mut foreign, engine_link(run, Role::Particles)?)
         })
     })
@@ -176,10 +173,7 @@ pub unsafe extern "C" fn sillage_run_particles(
 struct Foreign<'a> {
     border: Border<'a>,
     calls: ParticleCalls,
-}
-
-pub(crate) fn or_null(values: Option<&[f64]>) -> *const f64 {
-    values.map_or(std::ptr::null(), <[f64]>::as_ptr)
+    dimension: usize,
 }
 
 impl ParticleEngine for Foreign<'_> {
@@ -197,18 +191,16 @@ impl ParticleEngine for Foreign<'_> {
         mut grains: InitialGrains,
     ) -> Result<InitialGrains, Failure> {
         let configure = self.calls.configure.ok_or_else(|| missing("configure"))?;
-        let walls: Vec<Wall> = scene
-            .walls
-            .iter()
-            .map(|wall| Wall {
-                a: wall.a,
-                b: wall.b,
-            })
-            .collect();
+        let corners = scene.walls.iter().flat_map(|wall| wall.corners.iter());
+        let walls: Vec<f64> = corners.flatten().copied().collect();
+        let period: Vec<f64> = scene.period.iter().map(|p| p.unwrap_or(0.0)).collect();
+        self.dimension = scene.dimension;
         let scene = ParticleScene {
-            gravity: scene.gravity,
-            period: scene.period.map(|period| period.unwrap_or(0.0)),
-            wall_count: walls.len() as u64,
+            dimension: scene.dimension as u32,
+            threads: u32::try_from(scene.threads).unwrap_or(u32::MAX),
+            gravity: scene.gravity.as_ptr(),
+            period: period.as_ptr(),
+            wall_count: scene.walls.len() as u64,
             walls: walls.as_ptr(),
             friction: scene.friction,
             wall_friction: scene.wall_friction,
@@ -216,7 +208,6 @@ impl ParticleEngine for Foreign<'_> {
             tolerance: scene.tolerance,
             sweeps_max: scene.sweeps_max as u64,
             sub_steps_max: scene.sub_steps_max,
-            threads: u32::try_from(scene.threads).unwrap_or(u32::MAX),
         };
         let given = grains.radius.len();
         let mut view = Grains {
@@ -239,7 +230,7 @@ impl ParticleEngine for Foreign<'_> {
         }
         let kept = view.count as usize;
         for vector in [&mut grains.position, &mut grains.velocity] {
-            vector.truncate(2 * kept);
+            vector.truncate(self.dimension * kept);
         }
         for scalar in [
             &mut grains.radius,
@@ -255,36 +246,31 @@ impl ParticleEngine for Foreign<'_> {
     fn advance(
         &mut self,
         request: &Advance,
-        fluid: &engine::FluidForces<'_>,
-        answer: engine::GrainAnswer<'_>,
-    ) -> Result<Vec<Diagnostic>, Failure> {
+        inputs: &engine::Inputs<'_>,
+        outputs: engine::Outputs<'_>,
+    ) -> Result<Computed<report::ParticleReport>, Failure> {
         let advance = self.calls.advance.ok_or_else(|| missing("advance"))?;
-        let count = answer.contact.len() as u64;
-        let request = Request::of(request);
-        let fluid = FluidForces {
-            count,
-            drag: or_null(fluid.drag),
-            force: or_null(fluid.force),
-        };
-        let answer = GrainAnswer {
-            count,
-            position: answer.position.as_mut_ptr(),
-            velocity: answer.velocity.as_mut_ptr(),
-            mean_velocity: answer.mean_velocity.as_mut_ptr(),
-            contact: answer.contact.as_mut_ptr(),
-        };
+        let (outputs, count) = Outputs::of(outputs, self.dimension);
+        let inputs = Inputs::of(inputs);
+        let request = Request::of(request, count, self.dimension);
+        let mut told = ParticleReport::NOTHING;
         let (engine, user) = (self.border.engine, self.border.user);
-        self.border.this.call("advance", || {
+        let diagnostics = self.border.this.call("advance", || {
             // SAFETY: the structures outlive the call and their arrays have the lengths they tell.
             unsafe {
                 advance(
                     engine,
                     user,
                     &raw const request,
-                    &raw const fluid,
-                    &raw const answer,
+                    &raw const inputs,
+                    &raw const outputs,
+                    &raw mut told,
                 )
             }
+        })?;
+        Ok(Computed {
+            report: told.report()?,
+            diagnostics,
         })
     }
 

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::Once;
 
+use protocol::field::{Exchange, FIELDS, Rank};
+
 const HEADER: &str = "include/sillage_engine.h";
 
 fn kit() -> &'static Path {
@@ -85,6 +87,43 @@ fn compile(source: &str, folder: &Path) -> PathBuf {
 
 fn sillage() -> Command {
     Command::new(programs().join("sillage"))
+}
+
+/// `src/fields.rs`, from the table of the protocol.
+fn constants() -> String {
+    let exchanged = [
+        Exchange::ToFluid,
+        Exchange::FromFluid,
+        Exchange::ToParticles,
+        Exchange::FromParticles,
+    ];
+    let mut text = "//! Numbers of the fields of a candidate; a test tells the lines.\n".to_owned();
+    for spec in FIELDS {
+        if spec
+            .sent
+            .iter()
+            .any(|exchange| exchanged.contains(exchange))
+        {
+            let name = spec.name.to_uppercase();
+            let rank = match spec.rank {
+                Rank::Scalar => "scalar",
+                _ => "vector",
+            };
+            text += &format!(
+                "\n/// {} ({}; {rank})\npub const SILLAGE_FIELD_{name}: u32 = {};\n",
+                spec.meaning.trim(),
+                spec.field.unit(2),
+                spec.id
+            );
+        }
+    }
+    text
+}
+
+#[test]
+fn the_numbers_of_fields_are_those_of_the_protocol() {
+    let (found, must) = (include_str!("../src/fields.rs"), constants());
+    assert!(found == must, "src/fields.rs must be\n\n{must}");
 }
 
 #[test]

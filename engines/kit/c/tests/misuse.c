@@ -44,8 +44,8 @@ int main(void)
     sillage_engine *engine = sillage_engine_new("misuse", "1");
     must(engine != NULL, "an engine");
     must(sillage_engine_declare(engine, 9) == -1 && says("capability 9"), "unknown capability");
-    must(sillage_report(engine, "x", 0.0 / 0.0) == -1 && says("must be finite"), "NaN reported");
-    must(sillage_report(engine, NULL, 1.0) == -1 && says("name is a null"), "report without name");
+    must(sillage_diagnostic(engine, "x", 0.0 / 0.0) == -1 && says("must be finite"), "NaN reported");
+    must(sillage_diagnostic(engine, NULL, 1.0) == -1 && says("name is a null"), "report without name");
     must(sillage_fail(engine, 99, "odd") != 0, "an unknown kind still fails");
     must(sillage_fail(engine, SILLAGE_FAILURE_ENGINE, NULL) == 4, "no reason still fails");
     must(sillage_run_particles(engine, NULL, NULL) == -1 && says("calls is a null"), "no calls");

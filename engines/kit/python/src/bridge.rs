@@ -9,12 +9,11 @@ use std::rc::Rc;
 
 use protocol::channel::Channel;
 use protocol::engine::{
-    self, FluidAnswer, FluidEngine, FluidForces, GrainAnswer, InitialGrains, MeshDescription,
-    ParticleEngine, SolidResponse,
+    self, Computed, FluidEngine, InitialGrains, Inputs, MeshDescription, Outputs, ParticleEngine,
 };
 use protocol::error::Error;
-use protocol::field::Field;
 use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind, Role};
+use protocol::report::{FluidReport, ParticleReport};
 use protocol::scene::{FluidScene, ParticleScene};
 use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
@@ -58,6 +57,7 @@ impl Parts {
         let mut bridge = Bridge {
             parts: self,
             escaped,
+            dimension: 0,
         };
         match role {
             Role::Fluid => engine::serve_fluid(&mut bridge, link),
@@ -87,7 +87,12 @@ fn capability(name: &str) -> PyResult<Capability> {
 struct Bridge<'a> {
     parts: &'a Parts,
     escaped: Escaped,
+    /// Of the space, once it is configured.
+    dimension: usize,
 }
+
+/// What `Seat.advance` returns: the report's numbers, and named numbers for people.
+type Told<R> = (R, Vec<(String, f64)>);
 
 impl Bridge<'_> {
     /// Call into Python; an exception becomes a failure, and is gone before this returns.
@@ -101,12 +106,12 @@ impl Bridge<'_> {
     }
 
     /// One `advance`: views are given, counted, and must all be gone when it is over.
-    fn compute(
+    fn compute<R: for<'py> FromPyObject<'py, 'py, Error = PyErr>>(
         &self,
         request: &Advance,
-        inputs: Vec<(Field, &[f64])>,
-        outputs: Vec<(Field, &mut [f64])>,
-    ) -> Result<Vec<Diagnostic>, Failure> {
+        inputs: &Inputs<'_>,
+        outputs: Outputs<'_>,
+    ) -> Result<(R, Vec<Diagnostic>), Failure> {
         if self.escaped.get() {
             let why = "it kept a view of an earlier step; it cannot go on";
             return Err(Failure::new(FailureKind::Engine, why));
@@ -114,13 +119,13 @@ impl Bridge<'_> {
         let mut lent: Vec<Py<Buffer>> = Vec::new();
         let result = self.call(|py, seat| {
             let (given, filled) = (PyDict::new(py), PyDict::new(py));
-            for (field, values) in inputs {
-                let buffer = Py::new(py, Buffer::input(field, values))?;
+            for &(field, values) in inputs.all() {
+                let buffer = Py::new(py, Buffer::input((field, self.dimension), values))?;
                 given.set_item(field.name(), &buffer)?;
                 lent.push(buffer);
             }
-            for (field, values) in outputs {
-                let buffer = Py::new(py, Buffer::output(field, values))?;
+            for (field, room) in outputs.into_all() {
+                let buffer = Py::new(py, Buffer::output((field, self.dimension), room))?;
                 filled.set_item(field.name(), &buffer)?;
                 lent.push(buffer);
             }
@@ -132,12 +137,12 @@ impl Bridge<'_> {
                 request.sub_steps,
                 request.tolerance,
             );
-            let diagnostics = seat.call_method1("advance", (numbers, given, filled))?;
-            let named: Vec<(String, f64)> = diagnostics.extract()?;
+            let told = seat.call_method1("advance", (numbers, given, filled))?;
+            let (report, named): Told<R> = told.extract()?;
             let diagnostics = named
                 .into_iter()
                 .map(|(name, value)| Diagnostic { name, value });
-            Ok(diagnostics.collect())
+            Ok((report, diagnostics.collect()))
         });
         match self.take_back(&lent) {
             Ok(()) => result,
@@ -218,19 +223,19 @@ impl FluidEngine for Bridge<'_> {
     }
 
     fn configure(&mut self, scene: &FluidScene) -> Result<MeshDescription, Failure> {
+        self.dimension = scene.dimension;
         let scene = json(scene)?;
         self.call(|_, seat| {
             let mesh = seat.call_method1("configure_fluid", (scene,))?;
-            let corners = numbers(&mesh.getattr("triangles")?)?;
-            let (corners, _) = corners.as_chunks::<3>();
-            let positions = numbers(&mesh.getattr("triangle_position")?)?;
-            let (positions, _) = positions.as_chunks::<6>();
+            let array = |name: &str| numbers(&mesh.getattr(name)?);
+            let corners = array("simplices")?;
             Ok(MeshDescription {
-                node_position: numbers(&mesh.getattr("nodes")?)?,
-                triangles: corners.iter().map(|c| c.map(|node| node as u32)).collect(),
-                triangle_position: positions.to_vec(),
-                nodal_mass: numbers(&mesh.getattr("nodal_mass")?)?,
-                period: mesh.getattr("period")?.extract::<[Option<f64>; 2]>()?,
+                dimension: mesh.getattr("dimension")?.extract()?,
+                node_position: array("nodes")?,
+                simplex_nodes: corners.iter().map(|&node| node as u32).collect(),
+                simplex_position: array("simplex_position")?,
+                nodal_mass: array("nodal_mass")?,
+                period: mesh.getattr("period")?.extract()?,
             })
         })
     }
@@ -238,23 +243,19 @@ impl FluidEngine for Bridge<'_> {
     fn advance(
         &mut self,
         request: &Advance,
-        solid: &SolidResponse<'_>,
-        answer: FluidAnswer<'_>,
-    ) -> Result<Vec<Diagnostic>, Failure> {
-        let inputs = [
-            (Field::Porosity, solid.porosity),
-            (Field::Drag, solid.drag),
-            (Field::DragSource, solid.drag_source),
-            (Field::EntrainedFraction, solid.entrained_fraction),
-            (Field::SolidFlux, solid.solid_flux),
-            (Field::SolidMobility, solid.solid_mobility),
-        ];
-        let outputs = vec![
-            (Field::InterstitialVelocity, answer.interstitial_velocity),
-            (Field::PressureGradient, answer.pressure_gradient),
-            (Field::Pressure, answer.pressure),
-        ];
-        self.compute(request, present(&inputs), outputs)
+        inputs: &Inputs<'_>,
+        outputs: Outputs<'_>,
+    ) -> Result<Computed<FluidReport>, Failure> {
+        let (told, diagnostics) = self.compute(request, inputs, outputs)?;
+        let (solid_power, reynolds, convects): (Option<f64>, Option<f64>, Option<bool>) = told;
+        Ok(Computed {
+            report: FluidReport {
+                solid_power,
+                reynolds,
+                convects,
+            },
+            diagnostics,
+        })
     }
 
     fn commit(&mut self) -> Result<(), Failure> {
@@ -268,13 +269,6 @@ impl FluidEngine for Bridge<'_> {
     fn restore(&mut self, path: &Path) -> Result<(), Failure> {
         self.store("restore", path)
     }
-}
-
-fn present<'a>(inputs: &[(Field, Option<&'a [f64]>)]) -> Vec<(Field, &'a [f64])> {
-    let given = inputs.iter();
-    given
-        .filter_map(|&(field, values)| Some((field, values?)))
-        .collect()
 }
 
 impl ParticleEngine for Bridge<'_> {
@@ -291,23 +285,18 @@ impl ParticleEngine for Bridge<'_> {
         scene: &ParticleScene,
         grains: InitialGrains,
     ) -> Result<InitialGrains, Failure> {
+        let dimension = scene.dimension;
+        self.dimension = dimension;
         let scene = json(scene)?;
         self.call(|py, seat| {
-            let given = [
-                &grains.position,
-                &grains.velocity,
-                &grains.radius,
-                &grains.mass,
-                &grains.volume,
-                &grains.fixed,
-            ]
-            .map(|values| bytes(py, values));
+            let given = grains.slices().map(|(_, values)| bytes(py, values));
             let taken = seat.call_method1("configure_particles", (scene, given))?;
             let taken: Vec<Bound<'_, PyAny>> = taken.extract()?;
             let taken = taken.iter().map(numbers).collect::<PyResult<Vec<_>>>()?;
             let [position, velocity, radius, mass, volume, fixed] =
                 <[Vec<f64>; 6]>::try_from(taken).unwrap_or_default();
             Ok(InitialGrains {
+                dimension,
                 position,
                 velocity,
                 radius,
@@ -321,20 +310,19 @@ impl ParticleEngine for Bridge<'_> {
     fn advance(
         &mut self,
         request: &Advance,
-        fluid: &FluidForces<'_>,
-        answer: GrainAnswer<'_>,
-    ) -> Result<Vec<Diagnostic>, Failure> {
-        let inputs = [
-            (Field::GrainDrag, fluid.drag),
-            (Field::GrainForce, fluid.force),
-        ];
-        let outputs = vec![
-            (Field::GrainPosition, answer.position),
-            (Field::GrainVelocity, answer.velocity),
-            (Field::GrainMeanVelocity, answer.mean_velocity),
-            (Field::GrainContact, answer.contact),
-        ];
-        self.compute(request, present(&inputs), outputs)
+        inputs: &Inputs<'_>,
+        outputs: Outputs<'_>,
+    ) -> Result<Computed<ParticleReport>, Failure> {
+        let (told, diagnostics) = self.compute(request, inputs, outputs)?;
+        let (sub_steps, touching): (u32, Option<u64>) = told;
+        let report = ParticleReport::new(sub_steps).ok_or_else(|| {
+            let why = "sub_steps of the report is 0, must be 1 or more";
+            Failure::new(FailureKind::Engine, why)
+        })?;
+        Ok(Computed {
+            report: ParticleReport { touching, ..report },
+            diagnostics,
+        })
     }
 
     fn commit(&mut self) -> Result<(), Failure> {

@@ -7,7 +7,7 @@
 use std::ffi::{c_int, c_void};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use protocol::field::Field;
+use protocol::field::{Field, Rank};
 use pyo3::exceptions::PyBufferError;
 use pyo3::ffi;
 use pyo3::prelude::*;
@@ -31,13 +31,21 @@ pub struct Buffer {
 const SIZE: isize = size_of::<f64>() as isize;
 
 impl Buffer {
-    fn new(field: Field, address: usize, count: usize, read_only: bool) -> Buffer {
-        let components = field.components();
+    fn new(
+        (field, dimension): (Field, usize),
+        address: usize,
+        count: usize,
+        read_only: bool,
+    ) -> Buffer {
+        let components = field.components(dimension);
         Buffer {
             name: field.name(),
             address,
             read_only,
-            dimensions: if components == 1 { 1 } else { 2 },
+            dimensions: match field.spec().rank {
+                Rank::Scalar => 1,
+                _ => 2,
+            },
             shape: [(count / components) as isize, components as isize],
             strides: [components as isize * SIZE, SIZE],
             open: AtomicBool::new(true),
@@ -45,13 +53,13 @@ impl Buffer {
         }
     }
 
-    /// A field that arrived.
-    pub fn input(field: Field, values: &[f64]) -> Buffer {
+    /// A field that arrived, in a space of this dimension.
+    pub fn input(field: (Field, usize), values: &[f64]) -> Buffer {
         Buffer::new(field, values.as_ptr() as usize, values.len(), true)
     }
 
     /// A field that will be sent.
-    pub fn output(field: Field, values: &mut [f64]) -> Buffer {
+    pub fn output(field: (Field, usize), values: &mut [f64]) -> Buffer {
         Buffer::new(field, values.as_mut_ptr() as usize, values.len(), false)
     }
 

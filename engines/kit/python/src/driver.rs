@@ -9,6 +9,7 @@ use protocol::field::Field;
 use protocol::local;
 use protocol::message::{Advance, Role};
 use protocol::partner::Partner;
+use protocol::report::Report;
 use protocol::scene::{FluidScene, ParticleScene};
 use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::PyValueError;
@@ -52,10 +53,29 @@ impl<T> Here<T> {
 }
 
 type Arrays = Vec<(String, Py<PyByteArray>)>;
+type Named = Vec<(String, f64)>;
+
+/// What a report tells, by name.
+fn named(report: &Report) -> Named {
+    let numbers = match *report {
+        Report::Fluid(report) => vec![
+            ("solid_power", report.solid_power),
+            ("reynolds", report.reynolds),
+            ("convects", report.convects.map(f64::from)),
+        ],
+        Report::Particles(report) => vec![
+            ("sub_steps", Some(f64::from(report.sub_steps.get()))),
+            ("touching", report.touching.map(|count| count as f64)),
+        ],
+    };
+    let told = numbers.into_iter();
+    told.filter_map(|(name, value)| Some((name.to_owned(), value?)))
+        .collect()
+}
 
 fn field(name: &str) -> PyResult<Field> {
-    let known = Field::ALL.into_iter().find(|field| field.name() == name);
-    known.ok_or_else(|| PyValueError::new_err(format!("there is no field {name:?}")))
+    Field::from_name(name)
+        .ok_or_else(|| PyValueError::new_err(format!("there is no field {name:?}")))
 }
 
 fn bytes(py: Python<'_>, values: &[f64]) -> Py<PyByteArray> {
@@ -121,15 +141,9 @@ impl Driver {
     fn configure_fluid(&mut self, py: Python<'_>, scene: &str) -> PyResult<Arrays> {
         let scene: FluidScene = parse(scene)?;
         let mesh = self.with(py, |partner| partner.configure_fluid(&scene))?;
-        let corners: Vec<f64> = mesh
-            .triangles
-            .as_flattened()
-            .iter()
-            .map(|&n| n.into())
-            .collect();
         Ok(vec![
             ("nodes".to_owned(), bytes(py, &mesh.node_position)),
-            ("triangles".to_owned(), bytes(py, &corners)),
+            ("simplices".to_owned(), bytes(py, &mesh.corner_numbers())),
             ("nodal_mass".to_owned(), bytes(py, &mesh.nodal_mass)),
         ])
     }
@@ -148,6 +162,7 @@ impl Driver {
             <[Vec<f64>; 6]>::try_from(arrays)
                 .map_err(|_| PyValueError::new_err("six arrays of grains expected"))?;
         let grains = InitialGrains {
+            dimension: scene.dimension,
             position,
             velocity,
             radius,
@@ -159,13 +174,13 @@ impl Driver {
         Ok(taken.radius.len())
     }
 
-    /// One candidate: its fields and diagnostics.
+    /// One candidate: its fields, the numbers of its report, its diagnostics.
     fn advance(
         &mut self,
         py: Python<'_>,
         numbers: (u64, u32, f64, f64, u32, f64),
         inputs: Vec<(String, PyBuffer<f64>)>,
-    ) -> PyResult<(Arrays, Vec<(String, f64)>)> {
+    ) -> PyResult<(Arrays, Named, Named)> {
         let (step, pass, time, dt, sub_steps, tolerance) = numbers;
         let request = Advance {
             step,
@@ -196,7 +211,7 @@ impl Driver {
         let fields = wanted.iter().zip(&values);
         let fields = fields.map(|(field, values)| (field.name().to_owned(), bytes(py, values)));
         let diagnostics = done.diagnostics.into_iter().map(|d| (d.name, d.value));
-        Ok((fields.collect(), diagnostics.collect()))
+        Ok((fields.collect(), named(&done.report), diagnostics.collect()))
     }
 
     fn commit(&mut self, py: Python<'_>, step: u64) -> PyResult<()> {

@@ -15,6 +15,7 @@ mod driver;
 mod failure;
 mod held;
 
+use protocol::field::{Exchange, FIELDS, FieldSpec, Rank};
 use protocol::message::Role;
 use pyo3::prelude::*;
 
@@ -41,11 +42,33 @@ fn role_of(name: &str) -> PyResult<Role> {
     }
 }
 
+/// Name, rank, default and senders of every field: what the Python side knows of them.
+fn fields() -> Vec<(&'static str, &'static str, Option<f64>, Vec<&'static str>)> {
+    let words = |spec: &FieldSpec| {
+        let rank = match spec.rank {
+            Rank::Scalar => "scalar",
+            Rank::Vector => "vector",
+            Rank::Corners | Rank::CornerVectors => "corners",
+        };
+        let sent = spec.sent.iter().map(|exchange| match exchange {
+            Exchange::ToFluid => "to fluid",
+            Exchange::ToParticles => "to particles",
+            Exchange::FromFluid => "from fluid",
+            Exchange::FromParticles | Exchange::MaybeFromParticles => "from particles",
+            Exchange::Mesh => "mesh",
+            Exchange::Grains => "grains",
+        });
+        (spec.name, rank, spec.default, sent.collect())
+    };
+    FIELDS.iter().map(words).collect()
+}
+
 /// The module `sillage._native`.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     module.add("PROTOCOL_VERSION", protocol::PROTOCOL_VERSION)?;
+    module.add("FIELDS", fields())?;
     module.add("SceneError", py.get_type::<failure::SceneError>())?;
     module.add("NotConverged", py.get_type::<failure::NotConverged>())?;
     module.add("NotFinite", py.get_type::<failure::NotFinite>())?;

@@ -35,7 +35,8 @@ class Falling(sillage.ParticleEngine):
         self.candidate = (g.position + dt * velocity, velocity)
         if self.on_advance:
             self.on_advance(self, inputs, outputs)
-        return {"sub_steps": 1, "kinetic_energy": 0.5 * (g.mass * (velocity**2).sum(1)).sum()}
+        energy = 0.5 * (g.mass * (velocity**2).sum(1)).sum()
+        return sillage.ParticleReport(1, diagnostics={"kinetic_energy": energy})
 
     def commit(self):
         self.grains.position, self.grains.velocity = self.candidate

@@ -175,7 +175,13 @@ fn bring(case: &Case, state: State, runspace: &RunSpace) -> Result<Partner, prot
         State::Advancing => {
             let inputs: Vec<(Field, FieldHeader, Vec<f64>)> = inputs
                 .into_iter()
-                .map(|(field, values)| (field, header(&partner, count, &request, field), values))
+                .map(|(field, values)| {
+                    (
+                        field,
+                        header(&partner, (count, case.dimension()), &request, field),
+                        values,
+                    )
+                })
                 .collect();
             send_advance(&mut partner, &request, &inputs)?;
         }

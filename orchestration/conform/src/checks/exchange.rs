@@ -2,7 +2,7 @@
 
 use protocol::engine::{InitialGrains, MeshDescription};
 use protocol::field::Field;
-use protocol::messages::{Capability, Role};
+use protocol::message::{Capability, Role};
 use protocol::runspace::RunSpace;
 
 use crate::bench::{Bench, Candidate, Model};
@@ -141,30 +141,30 @@ fn ready(case: &Case) -> Result<(), Trouble> {
 /// What the coupler relies on, beyond what it checks itself (orientation, positive mass, corners).
 fn sound_mesh(mesh: &MeshDescription) -> Result<(), String> {
     const ROUND_OFF: f64 = 1e-9;
-    let mut area = 0.0;
-    for (triangle, p) in mesh.triangle_position.iter().enumerate() {
-        area += 0.5 * ((p[2] - p[0]) * (p[5] - p[1]) - (p[4] - p[0]) * (p[3] - p[1]));
-        for corner in 0..3 {
-            let node = mesh.triangles[triangle][corner] as usize;
-            for axis in 0..2 {
-                let apart = p[2 * corner + axis] - mesh.node_position[2 * node + axis];
-                let size = (p[2 + axis] - p[axis])
-                    .abs()
-                    .max((p[4 + axis] - p[axis]).abs());
+    let d = mesh.dimension;
+    let mut measure = 0.0;
+    for (simplex, p) in mesh.simplex_position.chunks_exact(d * (d + 1)).enumerate() {
+        measure += mesh.measure(simplex);
+        for corner in 0..=d {
+            let node = mesh.simplex_nodes[simplex * (d + 1) + corner] as usize;
+            for axis in 0..d {
+                let apart = p[d * corner + axis] - mesh.node_position[d * node + axis];
+                let along = (1..=d).map(|other| (p[d * other + axis] - p[axis]).abs());
+                let size = along.fold(0.0, f64::max);
                 let periods =
                     mesh.period[axis].map_or(0.0, |period| (apart / period).round() * period);
                 if (apart - periods).abs() > ROUND_OFF * size {
                     return Err(format!(
-                        "corner {corner} of triangle {triangle} lies {apart:e} m from its node {node}"
+                        "corner {corner} of simplex {simplex} lies {apart:e} m from its node {node}"
                     ));
                 }
             }
         }
     }
     let mass: f64 = mesh.nodal_mass.iter().sum();
-    if (mass - area).abs() > ROUND_OFF * area {
+    if (mass - measure).abs() > ROUND_OFF * measure {
         return Err(format!(
-            "nodal_mass sums to {mass:e} m², the triangles cover {area:e}; it must be ∫N of each node"
+            "nodal_mass sums to {mass:e} m^{d}, the simplices cover {measure:e}; it must be ∫N of each node"
         ));
     }
     Ok(())
@@ -216,17 +216,18 @@ fn sound_motion(
     let position = candidate.field(Field::GrainPosition);
     let mean = candidate.field(Field::GrainMeanVelocity);
     let period = match &case.part {
-        Part::Particles(scene, _) => scene.period,
-        Part::Fluid(_) => [None; 2],
+        Part::Particles(scene, _) => scene.period.clone(),
+        Part::Fluid(_) => vec![None; case.dimension()],
     };
+    let d = case.dimension();
     for k in 0..position.len() {
-        let (grain, moved) = (k / 2, position[k] - grains.position[k]);
+        let (grain, moved) = (k / d, position[k] - grains.position[k]);
         if grains.fixed[grain] != 0.0 && (moved != 0.0 || mean[k] != 0.0) {
             return Err(format!("fixed grain {grain} moved by {moved:e} m"));
         }
         let told = case.dt * mean[k];
         let size = grains.position[k].abs() + grains.radius[grain] + told.abs();
-        if period[k % 2].is_none() && (moved - told).abs() > ROUND_OFF * size {
+        if period[k % d].is_none() && (moved - told).abs() > ROUND_OFF * size {
             return Err(format!(
                 "grain {grain} moved by {moved:e} m, its grain_mean_velocity times dt is {told:e}"
             ));

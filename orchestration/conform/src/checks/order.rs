@@ -1,7 +1,7 @@
 //! Messages at a moment when they make no sense: refused, and the engine leaves with exit code 4.
 
-use protocol::configure::{Convection, FluidScene, ParticleScene};
-use protocol::messages::{Configure, FailureKind, Role, ToEngine};
+use protocol::message::{Configure, FailureKind, Role, ToEngine};
+use protocol::scene::{Convection, FluidScene, ParticleScene};
 
 use crate::bench::Bench;
 use crate::case::{Case, Part};

@@ -7,7 +7,7 @@ use protocol::codec;
 use protocol::field::Field;
 use protocol::field::GRAINS;
 use protocol::header::{FieldHeader, Stage};
-use protocol::messages::{Advance, Configure, FailureKind, Role, ToEngine};
+use protocol::message::{Advance, Configure, FailureKind, Role, ToEngine};
 
 use crate::bench::{Bench, Candidate, LEAVE};
 use crate::case::{Case, Part};
@@ -130,12 +130,12 @@ fn infinity(case: &Case) -> Result<(), Trouble> {
 
 fn count(case: &Case) -> Result<(), Trouble> {
     let ways: [Spoil; 3] = [
-        ("one node or grain too many", |(field, header, values)| {
-            values.extend(vec![0.1; field.components()]);
+        ("one node or grain too many", |(_, header, values)| {
+            values.extend(vec![0.1; header.components as usize]);
             header.count = values.len() as u64;
         }),
-        ("one node or grain too few", |(field, header, values)| {
-            values.truncate(values.len() - field.components());
+        ("one node or grain too few", |(_, header, values)| {
+            values.truncate(values.len() - header.components as usize);
             header.count = values.len() as u64;
         }),
         ("a count that is not its length", |(_, header, values)| {
@@ -240,7 +240,7 @@ fn grain_count(case: &Case) -> Result<(), Trouble> {
     let mut bench = Bench::greet(case)?;
     let announced = grains.radius.len();
     for field in GRAINS {
-        let values = vec![1.0; (announced - 1) * field.components()];
+        let values = vec![1.0; (announced - 1) * field.components(scene.dimension)];
         let header = FieldHeader {
             stage: Stage::Configure as u32,
             count: values.len() as u64,

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use protocol::engine::MeshDescription;
 use protocol::field::Field;
-use protocol::messages::{Advance, Capability, Role, ToEngine};
+use protocol::message::{Advance, Capability, Role, ToEngine};
 
 use crate::bench::{Bench, Candidate, Model};
 use crate::case::{Case, Inputs};
@@ -226,9 +226,8 @@ fn commit(case: &Case) -> Result<(), Trouble> {
     );
     let mean = second.field(Field::GrainMeanVelocity);
     let wrapped = |k: usize, apart: f64| match &case.part {
-        crate::case::Part::Particles(scene, _) => {
-            scene.period[k % 2].map_or(apart, |period| apart - (apart / period).round() * period)
-        }
+        crate::case::Part::Particles(scene, _) => scene.period[k % scene.dimension]
+            .map_or(apart, |period| apart - (apart / period).round() * period),
         crate::case::Part::Fluid(_) => apart,
     };
     for k in 0..before.len() {

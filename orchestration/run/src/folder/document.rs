@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use protocol::messages::Hello;
+use protocol::message::Hello;
 use scene::error::{Error, exit_code};
 use scene::{Scene, plan};
 use serde_json::{Value, json};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use protocol::messages::Diagnostic;
+use protocol::message::Diagnostic;
 use scene::Error;
 use scene::keys::Record;
 use scene::record::check_file;

@@ -13,7 +13,7 @@
 use std::path::{Path, PathBuf};
 
 use protocol::field::{Field, Support};
-use protocol::messages::{Diagnostic, Hello, ToOrchestrator};
+use protocol::message::{Diagnostic, Hello, ToOrchestrator};
 use protocol::monitor::Event;
 use scene::{Error, Scene, plan};
 

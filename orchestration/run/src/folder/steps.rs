@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 
-use protocol::messages::Diagnostic;
+use protocol::message::Diagnostic;
 use scene::Error;
 use serde::Serialize;
 

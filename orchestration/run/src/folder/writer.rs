@@ -4,7 +4,7 @@
 use std::sync::mpsc::{Sender, SyncSender, channel, sync_channel};
 use std::thread::JoinHandle;
 
-use protocol::messages::ToOrchestrator;
+use protocol::message::ToOrchestrator;
 use protocol::monitor::Event;
 use scene::error::{Error, exit_code};
 

@@ -30,8 +30,8 @@ impl Mesh {
                 .map(|(_, values)| values.as_slice())
         };
         let nodes = values(Field::NodePosition)?.to_vec();
-        let corners = values(Field::TriangleNodes)?;
-        let places = values(Field::TrianglePosition)?;
+        let corners = values(Field::SimplexNodes)?;
+        let places = values(Field::SimplexPosition)?;
         let node_count = nodes.len() / dimension;
         let mut mesh = Mesh {
             dimension,
@@ -95,9 +95,9 @@ mod tests {
                     Field::NodePosition,
                     vec![0.0, 0.0, 0.5, 0.0, 0.0, 1.0, 0.5, 1.0],
                 ),
-                (Field::TriangleNodes, vec![1.0, 0.0, 2.0, 1.0, 2.0, 3.0]),
+                (Field::SimplexNodes, vec![1.0, 0.0, 2.0, 1.0, 2.0, 3.0]),
                 (
-                    Field::TrianglePosition,
+                    Field::SimplexPosition,
                     vec![0.5, 0.0, 1.0, 0.0, 1.0, 1.0, 0.5, 0.0, 1.0, 1.0, 0.5, 1.0],
                 ),
             ],

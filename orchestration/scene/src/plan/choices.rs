@@ -6,9 +6,9 @@
 
 use std::fmt;
 
-use protocol::configure::{Boundary, Convection, LUMPED_RATIO_MAX, MeshSource, Scheme, Wall};
 use protocol::field::Field;
-use protocol::messages::Role;
+use protocol::message::Role;
+use protocol::scene::{Boundary, Convection, LUMPED_RATIO_MAX, MeshSource, Scheme, Wall};
 use serde::Serialize;
 use space::grid::SPARE;
 
@@ -139,12 +139,12 @@ fn reynolds(scene: &Scene) -> f64 {
     let Some(fluid) = &scene.coupler.fluid else {
         return 0.0;
     };
-    let size = |[x, y]: [f64; 2]| x.hypot(y);
+    let size = |vector: &[f64]| vector.iter().copied().fold(0.0, f64::hypot);
     let inflow = fluid.boundaries.values().map(|boundary| match boundary {
-        Boundary::Inflow { velocity, .. } => size(*velocity),
+        Boundary::Inflow { velocity, .. } => size(velocity),
         _ => 0.0,
     });
-    let prescribed = inflow.fold(size(fluid.initial_velocity), f64::max);
+    let prescribed = inflow.fold(size(&fluid.initial_velocity), f64::max);
     let grains = &scene.grains;
     let excess: f64 = (0..grains.len())
         .filter(|&grain| !grains.fixed[grain] && scene.coupler.reaction)
@@ -154,7 +154,7 @@ fn reynolds(scene: &Scene) -> f64 {
         })
         .sum();
     let driven =
-        excess * size(fluid.gravity) / (4.0 * std::f64::consts::PI * fluid.dynamic_viscosity);
+        excess * size(&fluid.gravity) / (4.0 * std::f64::consts::PI * fluid.dynamic_viscosity);
     let extent = match &fluid.mesh {
         MeshSource::Rectangle { lower, upper, .. } => {
             (upper[0] - lower[0]).min(upper[1] - lower[1])
@@ -250,7 +250,7 @@ fn walls(scene: &Scene) -> Option<Choice> {
     let grains = &scene.grains;
     let far = (0..grains.len()).filter(|&grain| {
         let reach = std::f64::consts::SQRT_2 * (1.0 + SPARE) * grains.radius[grain];
-        let near = |wall: &Wall| wall.distance(grains.position[grain]) <= reach;
+        let near = |wall: &Wall| wall.distance(&grains.position[grain]) <= reach;
         grains.fixed[grain] || !part.walls.iter().any(near)
     });
     let share = far.count() as f64 / grains.len().max(1) as f64;

@@ -9,7 +9,7 @@
 //!
 //! One pass on one thread, from the scenes of this repository (docs/leaving-out.md).
 
-use protocol::configure::MeshSource;
+use protocol::scene::MeshSource;
 
 use crate::scene::Scene;
 

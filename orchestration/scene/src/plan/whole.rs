@@ -3,11 +3,9 @@
 use std::fmt;
 use std::path::Path;
 
-use protocol::configure::{
-    Boundary, Convection, FluidScene, Geometry, MeshSource, Nonlinear, Scheme,
-};
 use protocol::field::Field;
-use protocol::messages::Role;
+use protocol::message::Role;
+use protocol::scene::{Boundary, Convection, FluidScene, Geometry, MeshSource, Nonlinear, Scheme};
 use serde::Serialize;
 
 use super::choices::{self, Choice};
@@ -131,12 +129,13 @@ fn sizes(scene: &Scene) -> Vec<String> {
         Some(MeshSource::Rectangle {
             lower,
             upper,
-            cells: [columns, rows],
+            cells,
             ..
         }) => {
+            let (columns, rows) = (cells[0], cells[1]);
             let (width, height) = (upper[0] - lower[0], upper[1] - lower[1]);
             let nodes = (columns + 1) * (rows + 1);
-            let (dx, dy) = (width / *columns as f64, height / *rows as f64);
+            let (dx, dy) = (width / columns as f64, height / rows as f64);
             sizes.push(format!(
                 "fluid: {width:.5e} × {height:.5e} m, {columns} × {rows} cells of {dx:.3e} × {dy:.3e} m, \
                  about {nodes} nodes and {} unknowns",
@@ -245,8 +244,8 @@ fn fields(scene: &Scene) -> Vec<Exchange> {
         exchanges.extend(fields.iter().filter(crosses).map(|field| Exchange {
             route: route.to_string(),
             field: field.name().to_string(),
-            unit: field.unit().to_string(),
-            components: field.components(),
+            unit: field.unit(scene.coupler.dimension).to_string(),
+            components: field.components(scene.coupler.dimension),
         }));
     };
     if scene.coupler.fluid.is_some() {

@@ -186,14 +186,8 @@ fn a_name_goes_before_all_and_every_side_has_one_condition() {
     };
     println!("{:?}", fluid.boundaries);
     assert_eq!(fluid.boundaries.len(), 4);
-    assert_eq!(
-        fluid.boundaries["left"],
-        protocol::configure::Boundary::Slip
-    );
-    assert_eq!(
-        fluid.boundaries["right"],
-        protocol::configure::Boundary::NoSlip
-    );
+    assert_eq!(fluid.boundaries["left"], protocol::scene::Boundary::Slip);
+    assert_eq!(fluid.boundaries["right"], protocol::scene::Boundary::NoSlip);
 }
 
 #[test]

@@ -85,7 +85,7 @@ fn the_resolved_scene_reads_back_to_the_same_scene() {
         let folder = tempfile::tempdir().expect("a folder");
         plan::write_inputs(&scene, folder.path()).expect("written");
         let json = std::fs::read_to_string(folder.path().join("scene.json")).expect("written");
-        let back: protocol::configure::CouplerScene = serde_json::from_str(&json).expect("JSON");
+        let back: protocol::scene::CouplerScene = serde_json::from_str(&json).expect("JSON");
         assert_eq!(back, scene.coupler, "{}", scene.name);
         assert_eq!(
             folder.path().join("grains.csv").exists(),

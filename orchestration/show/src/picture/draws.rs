@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use protocol::field::Field;
 use protocol::messages::ToOrchestrator;
 use protocol::monitor::Event;
+use protocol::scene::{Wall, fixed};
 use run::folder::draw::Draw;
 use run::vtu::mesh::Mesh;
 use scene::{Error, Scene};
@@ -14,6 +15,14 @@ use super::frame::frame;
 use super::overview::{Album, overview};
 use super::state::{Stage, State};
 use crate::plane::{Point, Triangles};
+
+/// A wall of the plane, where pictures are; none of another dimension.
+fn segment(wall: &Wall) -> Option<[[f64; 2]; 2]> {
+    match &wall.corners[..] {
+        [a, b] => Some([fixed(a).ok()?, fixed(b).ok()?]),
+        _ => None,
+    }
+}
 
 /// What draws a scene into its run folder; there are pictures of the plane only.
 pub fn pictures(scene: &Scene, folder: &Path) -> Box<dyn Draw> {
@@ -26,7 +35,7 @@ pub fn pictures(scene: &Scene, folder: &Path) -> Box<dyn Draw> {
         folder: folder.to_path_buf(),
         wanted: scene.output.frames && scene.dimension() == 2,
         name: scene.name.clone(),
-        walls: walls.map(|wall| [wall.a, wall.b]).collect(),
+        walls: walls.filter_map(segment).collect(),
         grain_fixed: scene.grains.fixed.clone(),
         stage: None,
         album: Album::default(),

@@ -1,6 +1,6 @@
 //! The seats that an engine may take.
 
-use protocol::messages::Role;
+use protocol::message::Role;
 
 /// A seat of the coupled system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]

@@ -13,10 +13,11 @@ use protocol::field::Field;
 use protocol::field::GRAINS;
 use protocol::header::{Expected, FieldHeader, Stage};
 use protocol::ipc::engine_link;
-use protocol::messages::{
+use protocol::message::{
     Advance, Capability, Configure, Done, Failure, FailureKind, Hello, Ready, Role, ToCoupler,
     ToEngine,
 };
+use protocol::report::{ParticleReport, Report};
 use protocol::runspace::{ENV_RUN, RunSpace};
 use protocol::{PROTOCOL_VERSION, process};
 
@@ -278,6 +279,7 @@ impl Toy {
         let [position, velocity, radius, mass, volume, fixed] =
             <[Vec<f64>; 6]>::try_from(arrays).expect("six");
         self.accepted = InitialGrains {
+            dimension: 2,
             position,
             velocity,
             radius,
@@ -303,8 +305,11 @@ impl Toy {
         }
         self.configured = true;
         self.state = "death-configured";
-        let (epoch, grains) = (1, count as u64);
-        Ok(ToCoupler::Ready(Ready::Grains { epoch, grains }))
+        Ok(ToCoupler::Ready(Ready::Grains {
+            epoch: 1,
+            dimension: 2,
+            grains: count as u64,
+        }))
     }
 
     /// An input, checked; with a fault the check does not see what it must see.
@@ -465,6 +470,7 @@ impl Toy {
             step,
             pass,
             fields: sent,
+            report: Report::Particles(ParticleReport::one_step()),
             diagnostics: Vec::new(),
         }))
     }
@@ -565,6 +571,7 @@ fn at(field: Field, request: &Advance, entities: usize, stage: Stage) -> Expecte
         step: request.step,
         pass: request.pass,
         stage,
+        dimension: 2,
         entities,
         time: request.time,
     }

@@ -38,6 +38,8 @@ pub(crate) struct Output {
     sound: u64,
     bytes: Vec<u8>,
     payload: Vec<u8>,
+    /// Of the space of the run, for the units of its fields.
+    dimension: usize,
 }
 
 fn words(error: McapError) -> String {
@@ -53,6 +55,7 @@ impl Output {
         file: File,
         compression: Compression,
         begin: &[u8],
+        dimension: usize,
     ) -> Result<Output, String> {
         let same = file
             .try_clone()
@@ -82,6 +85,7 @@ impl Output {
             sound: 0,
             bytes: Vec::new(),
             payload: Vec::new(),
+            dimension,
         };
         output.own(BEGIN, begin)?;
         output.flush()?;
@@ -144,9 +148,9 @@ impl Output {
             Kind::Field(field) => (
                 "f64le",
                 vec![
-                    ("unit", field.unit().to_owned()),
-                    ("components", field.components().to_string()),
-                    ("support", format!("{:?}", field.support()).to_lowercase()),
+                    ("unit", field.unit(self.dimension).to_owned()),
+                    ("components", field.components(self.dimension).to_string()),
+                    ("support", field.support().name().to_owned()),
                 ],
             ),
             Kind::Request | Kind::Answer => ("json", Vec::new()),

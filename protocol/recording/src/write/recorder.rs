@@ -56,12 +56,16 @@ impl Recorder {
         let file = File::create(path).map_err(unusable)?;
         let (queue, items) = channel();
         let shared = Shared::with_room_for(options.queue);
+        let dimension = begin.scene.dimension;
         let begin =
             serde_json::to_vec(begin).map_err(|error| unusable(std::io::Error::other(error)))?;
         let theirs = std::sync::Arc::clone(&shared);
         std::thread::Builder::new()
             .name("recorder".to_owned())
-            .spawn(move || write(file, options.compression, &begin, &items, &theirs))
+            .spawn(move || {
+                let output = Output::create(file, options.compression, &begin, dimension);
+                write(output, &items, &theirs);
+            })
             .map_err(unusable)?;
         Ok(Recorder {
             path: path.to_path_buf(),
@@ -117,14 +121,7 @@ impl Recorder {
 }
 
 /// Body of the thread: messages in the order they come, until the end of the run.
-fn write(
-    file: File,
-    compression: Compression,
-    begin: &[u8],
-    items: &Receiver<Item>,
-    shared: &Shared,
-) {
-    let mut output = Output::create(file, compression, begin);
+fn write(mut output: Result<Output, String>, items: &Receiver<Item>, shared: &Shared) {
     if let Err(why) = &output {
         shared.end(why.clone());
     }

@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use protocol::engine::{
-    FluidAnswer, FluidEngine, MeshDescription, SolidResponse, serve_fluid, serve_particles,
+    Computed, FluidEngine, Inputs, MeshDescription, Outputs, serve_fluid, serve_particles,
 };
 use protocol::field::Field;
 use protocol::header::Stage;
 use protocol::local::{self, LIMITS};
-use protocol::message::{Advance, Capability, Diagnostic, Failure, Role, ToCoupler, ToEngine};
+use protocol::message::{Advance, Capability, Failure, Role, ToCoupler, ToEngine};
 use protocol::partner::Partner;
+use protocol::report::FluidReport;
 use protocol::scene::{CouplerScene, DragLaw, FluidScene, Geometry, Limits, Scheme};
 use recording::{
     Begin, Body, Compression, Ending, Entry, Key, Options, Outcome, Reader, Recorder, Report,
@@ -23,7 +24,8 @@ pub fn begin(cells: usize) -> Begin {
         end_time: 1.0,
         coupling_step: 0.01,
         adaptive: None,
-        gravity: [0.0, -9.81],
+        dimension: 2,
+        gravity: vec![0.0, -9.81],
         fluid: Some(toy::fluid_scene(cells)),
         particles: Some(toy::particle_scene()),
         grains_stay: false,
@@ -187,24 +189,14 @@ impl FluidEngine for Shifted {
     fn advance(
         &mut self,
         request: &Advance,
-        solid: &SolidResponse<'_>,
-        answer: FluidAnswer<'_>,
-    ) -> Result<Vec<Diagnostic>, Failure> {
-        let FluidAnswer {
-            interstitial_velocity,
-            pressure_gradient,
-            pressure,
-        } = answer;
-        let inner = FluidAnswer {
-            interstitial_velocity,
-            pressure_gradient,
-            pressure: &mut *pressure,
-        };
-        let diagnostics = self.0.advance(request, solid, inner)?;
+        inputs: &Inputs<'_>,
+        mut outputs: Outputs<'_>,
+    ) -> Result<Computed<FluidReport>, Failure> {
+        let computed = self.0.advance(request, inputs, outputs.reborrow())?;
         if request.step == 3 {
-            pressure[5] += self.1;
+            outputs.take(Field::Pressure)[5] += self.1;
         }
-        Ok(diagnostics)
+        Ok(computed)
     }
     fn commit(&mut self) -> Result<(), Failure> {
         self.0.commit()

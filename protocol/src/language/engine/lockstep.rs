@@ -13,9 +13,10 @@ use crate::language::field::Field;
 use crate::language::header::PROTOCOL_VERSION;
 use crate::language::header::{Stage, require_finite};
 use crate::language::message::{Advance, Capability, Done, Failure, Hello, ToCoupler, ToEngine};
-use crate::transport::channel::{Channel, Loan, Wait};
+use crate::transport::channel::{Channel, Loan, Received, Wait};
 use crate::transport::exchange::Moment;
 
+use super::fields::{Inputs, Outputs};
 use super::session::{Cost, LAST_WORDS, Seat, Session, Trouble, Withheld, guarded, out_of_order};
 
 fn fatal(trouble: Trouble) -> Trouble {
@@ -135,12 +136,7 @@ fn tell(session: &mut Session, fields: Vec<Field>) -> Result<(), Trouble> {
 
 /// Read the inputs and write the candidate in the transport's own buffers.
 fn advance<S: Seat>(seat: &mut S, session: &mut Session, request: &Advance) -> Result<(), Trouble> {
-    // All inputs are taken from their queues before anything is refused: nothing stays behind.
-    let mut received = Vec::with_capacity(request.fields.len());
-    for &field in &request.fields {
-        let wait = Wait::new(request.step, field.name(), session.connect);
-        received.push(session.channel.receive_field(field, wait)?);
-    }
+    let received = receive(session, request)?;
     session.check_request(request)?;
     session.candidate = None;
     let given = Moment {
@@ -149,77 +145,100 @@ fn advance<S: Seat>(seat: &mut S, session: &mut Session, request: &Advance) -> R
         stage: Stage::Advance,
         time: request.time,
     };
-    let mut inputs = Vec::with_capacity(received.len());
-    for (&field, input) in request.fields.iter().zip(&received) {
-        input.header().validate(
-            "coupler",
-            &session.counts.expect(field, given),
-            input.values(),
-        )?;
-        inputs.push((field, input.values()));
-    }
+    let inputs = checked(session, given, &request.fields, &received)?;
     let answered = Moment {
         stage: Stage::Done,
         time: request.time + request.dt,
         ..given
     };
-    let (withheld, channel) = (&mut session.withheld, &mut *session.channel);
-    withheld.moment = None;
-    let mut fields = Vec::with_capacity(S::ANSWER.len());
-    let mut loans = Vec::with_capacity(S::ANSWER.len());
-    for &field in S::ANSWER {
-        if !withheld.has(field) {
-            let header = session.counts.expect(field, answered).header();
-            loans.push(channel.loan_field(field, header)?);
-            fields.push(field);
-        }
-    }
-    for (field, values) in &mut withheld.fields {
-        values.clear();
-        values.resize(session.counts.expect(*field, answered).count(), f64::NAN);
-    }
+    session.withheld.moment = None;
+    let (fields, mut loans) = loan::<S>(session, answered)?;
     let begin = Instant::now();
     let result = guarded(|| {
-        let mut outputs = in_order(S::ANSWER, &fields, &mut loans, &mut withheld.fields);
-        seat.advance(request, &inputs, &mut outputs)
+        let outputs = room(&fields, &mut loans, &mut session.withheld.fields);
+        seat.advance(request, &Inputs::new(&inputs), outputs)
     });
     session.cost.wall += begin.elapsed().as_secs_f64();
-    let mut diagnostics = result?;
+    let (report, mut diagnostics) = result?;
     session.cost.add_to(&mut diagnostics);
     // What is not sent is not looked at by its receiver.
-    for (field, values) in &withheld.fields {
-        require_finite(session.who, request.step, *field, values)?;
+    for (field, values) in &session.withheld.fields {
+        let field = (*field, session.counts.dimension);
+        require_finite(session.who, request.step, field, values)?;
     }
     for loan in loans {
         loan.send()?;
     }
-    withheld.moment = Some(answered);
+    session.withheld.moment = Some(answered);
     session.candidate = Some(request.step);
-    let (step, pass) = (request.step, request.pass);
     session.send(&ToCoupler::Done(Done {
-        step,
-        pass,
+        step: request.step,
+        pass: request.pass,
         fields,
+        report,
         diagnostics,
     }))?;
     Ok(())
 }
 
+/// All inputs are taken from their queues before anything is refused: nothing stays behind.
+fn receive(session: &mut Session, request: &Advance) -> Result<Vec<Box<dyn Received>>, Error> {
+    let mut received = Vec::with_capacity(request.fields.len());
+    for &field in &request.fields {
+        let wait = Wait::new(request.step, field.name(), session.connect);
+        received.push(session.channel.receive_field(field, wait)?);
+    }
+    Ok(received)
+}
+
+/// The inputs' numbers, after a look at each.
+fn checked<'a>(
+    session: &Session,
+    given: Moment,
+    fields: &[Field],
+    received: &'a [Box<dyn Received>],
+) -> Result<Vec<(Field, &'a [f64])>, Error> {
+    let mut inputs = Vec::with_capacity(received.len());
+    for (&field, input) in fields.iter().zip(received) {
+        let expected = session.counts.expect(field, given);
+        let values = input.values();
+        input.header().validate("coupler", &expected, values)?;
+        inputs.push((field, values));
+    }
+    Ok(inputs)
+}
+
+/// Fields that will be sent, each with its buffer of the transport.
+type Loans = (Vec<Field>, Vec<Box<dyn Loan>>);
+
+/// Buffers for the candidate; those of withheld fields are made ready too.
+fn loan<S: Seat>(session: &mut Session, answered: Moment) -> Result<Loans, Error> {
+    let (mut fields, mut loans) = (Vec::new(), Vec::new());
+    for &field in S::ANSWER {
+        if !session.withheld.has(field) {
+            let header = session.counts.expect(field, answered).header();
+            loans.push(session.channel.loan_field(field, header)?);
+            fields.push(field);
+        }
+    }
+    for (field, values) in &mut session.withheld.fields {
+        values.clear();
+        values.resize(session.counts.expect(*field, answered).count(), f64::NAN);
+    }
+    Ok((fields, loans))
+}
+
 /// Where the engine writes each field of a candidate: into the transport, or into what is kept.
-fn in_order<'a>(
-    answer: &[Field],
+fn room<'a>(
     sent: &[Field],
     loans: &'a mut [Box<dyn Loan>],
     kept: &'a mut [(Field, Vec<f64>)],
-) -> Vec<&'a mut [f64]> {
+) -> Outputs<'a> {
     let loans = loans.iter_mut().map(|loan| loan.values());
     let kept = kept
         .iter_mut()
         .map(|(field, values)| (*field, values.as_mut_slice()));
-    let mut outputs: Vec<(Field, &mut [f64])> =
-        sent.iter().copied().zip(loans).chain(kept).collect();
-    outputs.sort_by_key(|(field, _)| answer.iter().position(|own| own == field));
-    outputs.into_iter().map(|(_, values)| values).collect()
+    Outputs::new(sent.iter().copied().zip(loans).chain(kept).collect())
 }
 
 /// Answer everything with the failure until the coupler says Finish, leaves, or time is up.

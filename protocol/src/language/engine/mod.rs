@@ -1,14 +1,16 @@
 //! An engine's side of the protocol: what it implements ([`FluidEngine`], [`ParticleEngine`]) and the
-//! loop that serves the coupler with it. Read `traits`, `session`, `lockstep`, `seats`, `serve`.
+//! loop that serves the coupler with it. Read `told`, `fields`, `traits`, `session`, `lockstep`, `seats`,
+//! `serve`.
 
+mod fields;
 mod lockstep;
 mod seats;
 mod serve;
 mod session;
+mod told;
 mod traits;
 
+pub use fields::{Inputs, Outputs};
 pub use serve::{run_fluid, run_particles, serve_fluid, serve_particles};
-pub use traits::{
-    FluidAnswer, FluidEngine, FluidForces, GrainAnswer, InitialGrains, MeshDescription,
-    ParticleEngine, SolidResponse,
-};
+pub use told::{InitialGrains, MeshDescription};
+pub use traits::{Computed, FluidEngine, ParticleEngine};

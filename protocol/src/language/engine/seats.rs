@@ -1,20 +1,22 @@
-//! The two engine traits behind one loop: fields by name in, fields by name out.
+//! An engine in its seat: from the loop's fields to the engine's, and back.
 
 use std::path::Path;
 
-use super::session::{Seat, Session, Trouble, guarded};
-use super::traits::{
-    FluidAnswer, FluidEngine, FluidForces, GrainAnswer, ParticleEngine, SolidResponse,
-};
 use crate::language::field::{FROM_FLUID, FROM_PARTICLES, Field};
 use crate::language::header::Stage;
 use crate::language::message::{
     Advance, Capability, Configure, Diagnostic, Failure, FailureKind, Ready, Role,
 };
+use crate::language::report::Report;
 use crate::language::scene::{FluidScene, ParticleScene};
 use crate::transport::exchange::{Counts, Moment, receive_grains};
 
-/// Meshes and grain sets are numbered from 1; 0 is "before the first".
+use super::fields::{Inputs, Outputs};
+use super::session::{Seat, Session, Trouble, guarded};
+use super::told::{InitialGrains, MeshDescription};
+use super::traits::{FluidEngine, ParticleEngine};
+
+/// The epoch of the first mesh and of the first grains.
 const FIRST_EPOCH: u64 = 1;
 
 /// A fluid engine in its seat.
@@ -23,59 +25,64 @@ pub(crate) struct FluidSeat<'a, E>(pub &'a mut E);
 /// A particle engine in its seat.
 pub(crate) struct ParticleSeat<'a, E>(pub &'a mut E);
 
-fn find<'a>(inputs: &[(Field, &'a [f64])], wanted: Field) -> Option<&'a [f64]> {
-    inputs
-        .iter()
-        .find(|(field, _)| *field == wanted)
-        .map(|&(_, values)| values)
-}
-
 fn wrong_seat(role: Role) -> Trouble {
     let why = format!("Configure is not for the {} engine", role.seat());
     Trouble::Failed(Failure::new(FailureKind::Engine, why))
 }
 
+fn unusable(why: String) -> Trouble {
+    Trouble::Failed(Failure::new(FailureKind::Scene, why))
+}
+
+/// An engine that answers in another dimension than it was asked for is broken.
+fn same_dimension(asked: usize, told: usize) -> Result<(), Trouble> {
+    if asked == told {
+        return Ok(());
+    }
+    let why = format!("the engine answers in {told} dimensions, the scene has {asked}");
+    Err(Trouble::Failed(Failure::new(FailureKind::Engine, why)))
+}
+
 impl<E: FluidEngine> FluidSeat<'_, E> {
     fn build(&mut self, scene: &FluidScene, session: &mut Session) -> Result<Ready, Trouble> {
+        scene.check().map_err(unusable)?;
         let mesh = guarded(|| self.0.configure(scene))?;
-        let counts = Counts {
+        same_dimension(scene.dimension, mesh.dimension)?;
+        session.counts = Counts {
             epoch: FIRST_EPOCH,
-            nodes: mesh.nodal_mass.len(),
-            triangles: mesh.triangles.len(),
+            dimension: mesh.dimension,
+            nodes: mesh.node_count(),
+            simplices: mesh.simplex_count(),
             grains: 0,
         };
-        session.counts = counts;
-        let corners: Vec<f64> = mesh
-            .triangles
-            .iter()
-            .flatten()
-            .map(|&node| f64::from(node))
-            .collect();
-        let fields = [
-            (Field::NodePosition, mesh.node_position.as_slice()),
-            (Field::TriangleNodes, corners.as_slice()),
-            (
-                Field::TrianglePosition,
-                mesh.triangle_position.as_flattened(),
-            ),
-            (Field::NodalMass, mesh.nodal_mass.as_slice()),
-        ];
-        for (field, values) in fields {
-            counts.send(
-                &mut *session.channel,
-                field,
-                Moment::at(Stage::Ready),
-                values,
-            )?;
-        }
-        let (nodes, triangles) = (counts.nodes as u64, counts.triangles as u64);
+        send_mesh(&mesh, session)?;
         Ok(Ready::Mesh {
-            epoch: counts.epoch,
-            nodes,
-            triangles,
+            epoch: FIRST_EPOCH,
+            dimension: mesh.dimension as u32,
+            nodes: session.counts.nodes as u64,
+            simplices: session.counts.simplices as u64,
             period: mesh.period,
         })
     }
+}
+
+fn send_mesh(mesh: &MeshDescription, session: &mut Session) -> Result<(), Trouble> {
+    let corners = mesh.corner_numbers();
+    let fields: [(Field, &[f64]); 4] = [
+        (Field::NodePosition, &mesh.node_position),
+        (Field::SimplexNodes, &corners),
+        (Field::SimplexPosition, &mesh.simplex_position),
+        (Field::NodalMass, &mesh.nodal_mass),
+    ];
+    send_all(&fields, session)
+}
+
+fn send_all(fields: &[(Field, &[f64])], session: &mut Session) -> Result<(), Trouble> {
+    let (counts, moment) = (session.counts, Moment::at(Stage::Ready));
+    for &(field, values) in fields {
+        counts.send(&mut *session.channel, field, moment, values)?;
+    }
+    Ok(())
 }
 
 impl<E: FluidEngine> Seat for FluidSeat<'_, E> {
@@ -100,27 +107,11 @@ impl<E: FluidEngine> Seat for FluidSeat<'_, E> {
     fn advance(
         &mut self,
         request: &Advance,
-        inputs: &[(Field, &[f64])],
-        outputs: &mut [&mut [f64]],
-    ) -> Result<Vec<Diagnostic>, Failure> {
-        let solid = SolidResponse {
-            porosity: find(inputs, Field::Porosity),
-            drag: find(inputs, Field::Drag),
-            drag_source: find(inputs, Field::DragSource),
-            entrained_fraction: find(inputs, Field::EntrainedFraction),
-            solid_flux: find(inputs, Field::SolidFlux),
-            solid_mobility: find(inputs, Field::SolidMobility),
-        };
-        // The order of `FROM_FLUID`.
-        let [velocity, gradient, pressure] = outputs else {
-            return Err(Failure::new(FailureKind::Engine, "three outputs expected"));
-        };
-        let answer = FluidAnswer {
-            interstitial_velocity: velocity,
-            pressure_gradient: gradient,
-            pressure,
-        };
-        self.0.advance(request, &solid, answer)
+        inputs: &Inputs<'_>,
+        outputs: Outputs<'_>,
+    ) -> Result<(Report, Vec<Diagnostic>), Failure> {
+        let computed = self.0.advance(request, inputs, outputs)?;
+        Ok((Report::Fluid(computed.report), computed.diagnostics))
     }
 
     fn commit(&mut self) -> Result<(), Failure> {
@@ -143,32 +134,42 @@ impl<E: ParticleEngine> ParticleSeat<'_, E> {
         count: u64,
         session: &mut Session,
     ) -> Result<Ready, Trouble> {
-        let wait = session.field_wait();
-        let given = Counts {
-            grains: count as usize,
-            ..Counts::default()
-        };
-        let grains = receive_grains(&given, &mut *session.channel, Stage::Configure, wait)?;
+        scene.check().map_err(unusable)?;
+        let grains = given_grains(scene, count, session)?;
         let grains = guarded(|| self.0.configure(scene, grains))?;
+        same_dimension(scene.dimension, grains.dimension)?;
         session.counts = Counts {
             epoch: FIRST_EPOCH,
-            grains: grains.radius.len(),
+            dimension: grains.dimension,
+            grains: grains.count(),
             ..Counts::default()
         };
-        let counts = session.counts;
-        for (field, values) in grains.slices() {
-            counts.send(
-                &mut *session.channel,
-                field,
-                Moment::at(Stage::Ready),
-                values,
-            )?;
-        }
+        send_all(&grains.slices(), session)?;
         Ok(Ready::Grains {
-            epoch: counts.epoch,
-            grains: counts.grains as u64,
+            epoch: FIRST_EPOCH,
+            dimension: grains.dimension as u32,
+            grains: grains.count() as u64,
         })
     }
+}
+
+fn given_grains(
+    scene: &ParticleScene,
+    count: u64,
+    session: &mut Session,
+) -> Result<InitialGrains, Trouble> {
+    let given = Counts {
+        dimension: scene.dimension,
+        grains: count as usize,
+        ..Counts::default()
+    };
+    let wait = session.field_wait();
+    Ok(receive_grains(
+        &given,
+        &mut *session.channel,
+        Stage::Configure,
+        wait,
+    )?)
 }
 
 impl<E: ParticleEngine> Seat for ParticleSeat<'_, E> {
@@ -193,24 +194,11 @@ impl<E: ParticleEngine> Seat for ParticleSeat<'_, E> {
     fn advance(
         &mut self,
         request: &Advance,
-        inputs: &[(Field, &[f64])],
-        outputs: &mut [&mut [f64]],
-    ) -> Result<Vec<Diagnostic>, Failure> {
-        let fluid = FluidForces {
-            drag: find(inputs, Field::GrainDrag),
-            force: find(inputs, Field::GrainForce),
-        };
-        // The order of `FROM_PARTICLES`.
-        let [position, velocity, mean_velocity, contact] = outputs else {
-            return Err(Failure::new(FailureKind::Engine, "four outputs expected"));
-        };
-        let answer = GrainAnswer {
-            position,
-            velocity,
-            mean_velocity,
-            contact,
-        };
-        self.0.advance(request, &fluid, answer)
+        inputs: &Inputs<'_>,
+        outputs: Outputs<'_>,
+    ) -> Result<(Report, Vec<Diagnostic>), Failure> {
+        let computed = self.0.advance(request, inputs, outputs)?;
+        Ok((Report::Particles(computed.report), computed.diagnostics))
     }
 
     fn commit(&mut self) -> Result<(), Failure> {

@@ -13,9 +13,12 @@ use crate::language::message::{
     Advance, Capability, Configure, Diagnostic, Failure, FailureKind, Hello, Ready, Role,
     ToCoupler, ToEngine,
 };
+use crate::language::report::Report;
 use crate::run::process::cpu_seconds;
 use crate::transport::channel::{Channel, Wait, seconds};
 use crate::transport::exchange::{Counts, Moment};
+
+use super::fields::{Inputs, Outputs};
 
 /// How long a broken engine stays to tell why.
 pub(crate) const LAST_WORDS: Duration = Duration::from_secs(5);
@@ -35,9 +38,9 @@ pub(crate) trait Seat {
     fn advance(
         &mut self,
         request: &Advance,
-        inputs: &[(Field, &[f64])],
-        outputs: &mut [&mut [f64]],
-    ) -> Result<Vec<Diagnostic>, Failure>;
+        inputs: &Inputs<'_>,
+        outputs: Outputs<'_>,
+    ) -> Result<(Report, Vec<Diagnostic>), Failure>;
     fn commit(&mut self) -> Result<(), Failure>;
     fn save(&mut self, path: &Path) -> Result<(), Failure>;
     fn restore(&mut self, path: &Path) -> Result<(), Failure>;

@@ -1,11 +1,12 @@
-//! Boundary conditions of the fluid.
+//! Boundary conditions of the fluid: one enumeration from the scene to the equations.
 
 use serde::{Deserialize, Serialize};
 
-/// A boundary condition of the fluid. Velocities are superficial.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// A boundary condition of the fluid. Velocities are superficial; `V` is a vector, on its way as flat
+/// numbers, in an engine of its own type ([`Boundary::try_map`]).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub enum Boundary {
+pub enum Boundary<V = Vec<f64>> {
     /// u = 0.
     NoSlip,
     /// u·n = 0, no tangential traction.
@@ -15,7 +16,7 @@ pub enum Boundary {
     /// u given; also a moving wall.
     Inflow {
         /// Superficial velocity \[m/s\]; of the maximum when parabolic.
-        velocity: [f64; 2],
+        velocity: V,
         /// Shape across the boundary.
         profile: Profile,
     },
@@ -24,6 +25,24 @@ pub enum Boundary {
         /// Pressure \[Pa\].
         pressure: f64,
     },
+}
+
+impl<V> Boundary<V> {
+    /// The same condition with its vectors in another form; the error of a vector that has none.
+    pub fn try_map<W, E>(&self, vector: impl FnOnce(&V) -> Result<W, E>) -> Result<Boundary<W>, E> {
+        Ok(match self {
+            Boundary::NoSlip => Boundary::NoSlip,
+            Boundary::Slip => Boundary::Slip,
+            Boundary::Periodic => Boundary::Periodic,
+            Boundary::Inflow { velocity, profile } => Boundary::Inflow {
+                velocity: vector(velocity)?,
+                profile: *profile,
+            },
+            Boundary::Open { pressure } => Boundary::Open {
+                pressure: *pressure,
+            },
+        })
+    }
 }
 
 /// Shape of an inflow across its boundary.

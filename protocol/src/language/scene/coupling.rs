@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::language::field::Field;
 use crate::language::role::Role;
 
+use super::door::{dimension, fits};
 use super::fluid::FluidScene;
 use super::particles::ParticleScene;
 
@@ -15,6 +16,8 @@ pub const LUMPED_RATIO_MAX: f64 = 0.25;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CouplerScene {
+    /// Dimension of the space: 2 or 3; every vector has as many numbers.
+    pub dimension: usize,
     /// When the run ends \[s\].
     pub end_time: f64,
     /// Coupling step \[s\].
@@ -22,7 +25,7 @@ pub struct CouplerScene {
     /// Adaptive step, when asked for.
     pub adaptive: Option<AdaptiveStep>,
     /// g \[m/s²\].
-    pub gravity: [f64; 2],
+    pub gravity: Vec<f64>,
     /// The fluid engine's part; none: no fluid process.
     pub fluid: Option<FluidScene>,
     /// The particle engine's part; none: no particle process.
@@ -49,6 +52,29 @@ pub struct CouplerScene {
 }
 
 impl CouplerScene {
+    /// Is the dimension the same throughout, and has every vector as many numbers? An error names what
+    /// has not.
+    pub fn check(&self) -> Result<(), String> {
+        fits(dimension(self.dimension)?, "gravity", &self.gravity)?;
+        let fluid = self.fluid.as_ref();
+        let particles = self.particles.as_ref();
+        fluid.map_or(Ok(()), FluidScene::check)?;
+        particles.map_or(Ok(()), ParticleScene::check)?;
+        let parts = [
+            ("fluid", fluid.map(|part| part.dimension)),
+            ("particles", particles.map(|part| part.dimension)),
+        ];
+        for (part, dimension) in parts {
+            if let Some(other) = dimension.filter(|&other| other != self.dimension) {
+                return Err(format!(
+                    "the part of the {part} has {other} dimensions, the scene {}",
+                    self.dimension
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Is there a process in this seat?
     pub fn has_process(&self, role: Role) -> bool {
         match role {

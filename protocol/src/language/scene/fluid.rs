@@ -6,17 +6,20 @@ use serde::{Deserialize, Serialize};
 
 use super::boundary::Boundary;
 use super::convection::Convection;
+use super::door::{dimension, fits};
 
 /// What the fluid engine needs to know.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FluidScene {
+    /// Dimension of the space: 2 or 3; every vector has as many numbers.
+    pub dimension: usize,
     /// ρ \[kg/m³\].
     pub density: f64,
     /// μ \[Pa s\].
     pub dynamic_viscosity: f64,
     /// g \[m/s²\].
-    pub gravity: [f64; 2],
+    pub gravity: Vec<f64>,
     /// The mesh.
     pub mesh: MeshSource,
     /// Condition on every named boundary.
@@ -32,27 +35,55 @@ pub struct FluidScene {
     /// Factor of the grad-div stabilisation; 1 for suspensions, 0.1 for clear flow around bodies.
     pub grad_div: f64,
     /// Uniform initial superficial velocity \[m/s\].
-    pub initial_velocity: [f64; 2],
+    pub initial_velocity: Vec<f64>,
     /// Threads the engine may use.
     pub threads: usize,
+}
+
+impl FluidScene {
+    /// Do all vectors have as many numbers as the space has dimensions? An error names the one that has
+    /// not.
+    pub fn check(&self) -> Result<(), String> {
+        let d = dimension(self.dimension)?;
+        fits(d, "gravity", &self.gravity)?;
+        fits(d, "initial_velocity", &self.initial_velocity)?;
+        if let MeshSource::Rectangle {
+            lower,
+            upper,
+            cells,
+            grading,
+            ..
+        } = &self.mesh
+        {
+            fits(d, "mesh.rectangle.lower", lower)?;
+            fits(d, "mesh.rectangle.upper", upper)?;
+            fits(d, "mesh.rectangle.cells", cells)?;
+            fits(d, "mesh.rectangle.grading", grading)?;
+        }
+        self.boundaries.iter().try_for_each(|(name, boundary)| {
+            let what = format!("velocity of the boundary {name}");
+            let checked = boundary.try_map(|velocity| fits(d, &what, velocity));
+            checked.map(drop)
+        })
+    }
 }
 
 /// Where the mesh comes from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub enum MeshSource {
-    /// A rectangle cut into cells, each into two triangles. Boundaries: left, right, bottom, top.
+    /// A rectangle cut into cells, each into simplices. Boundaries: left, right, bottom, top.
     Rectangle {
         /// Lower left corner \[m\].
-        lower: [f64; 2],
+        lower: Vec<f64>,
         /// Upper right corner \[m\].
-        upper: [f64; 2],
-        /// Cells in x and y.
-        cells: [usize; 2],
+        upper: Vec<f64>,
+        /// Cells along each axis.
+        cells: Vec<usize>,
         /// How cells are cut.
         diagonals: Diagonals,
-        /// Ratio of the largest to the smallest cell in x and y (both ends refined); 1: uniform.
-        grading: [f64; 2],
+        /// Ratio of the largest to the smallest cell along each axis (both ends refined); 1: uniform.
+        grading: Vec<f64>,
     },
     /// A Gmsh 4.1 file with named physical curves.
     File {

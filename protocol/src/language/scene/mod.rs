@@ -5,6 +5,7 @@
 mod boundary;
 mod convection;
 mod coupling;
+mod door;
 mod fluid;
 mod particles;
 
@@ -13,5 +14,6 @@ pub use convection::Convection;
 pub use coupling::{
     AdaptiveStep, CouplerScene, DragLaw, Geometry, LUMPED_RATIO_MAX, Limits, Scheme,
 };
+pub use door::fixed;
 pub use fluid::{Diagonals, FluidScene, MeshSource, Nonlinear, TimeScheme, ViscousForm};
 pub use particles::{ParticleScene, Wall};

@@ -2,16 +2,20 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::door::{dimension, fits};
+
 /// What the particle engine needs to know.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ParticleScene {
+    /// Dimension of the space: 2 or 3; every vector has as many numbers.
+    pub dimension: usize,
     /// g \[m/s²\]; the engine applies the full weight m g.
-    pub gravity: [f64; 2],
-    /// Wall segments; grains stay on the left of a → b, and off both ends.
+    pub gravity: Vec<f64>,
+    /// Walls; grains stay on the side that the facet looks to, and off its rim.
     pub walls: Vec<Wall>,
-    /// Period in x and y \[m\], where the domain is periodic.
-    pub period: [Option<f64>; 2],
+    /// Period along each axis \[m\], where the domain is periodic.
+    pub period: Vec<Option<f64>>,
     /// Coulomb coefficient between grains.
     pub friction: f64,
     /// Coulomb coefficient between grains and walls.
@@ -28,23 +32,109 @@ pub struct ParticleScene {
     pub threads: usize,
 }
 
-/// A wall segment from a to b \[m\]; solid on its right.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+impl ParticleScene {
+    /// Do all vectors have as many numbers as the space has dimensions, and walls as many corners? An
+    /// error names what has not.
+    pub fn check(&self) -> Result<(), String> {
+        let d = dimension(self.dimension)?;
+        fits(d, "gravity", &self.gravity)?;
+        fits(d, "period", &self.period)?;
+        for (number, wall) in self.walls.iter().enumerate() {
+            let corners = wall.corners.len();
+            if corners != d {
+                return Err(format!(
+                    "wall {number} has {corners} corners, must have {d}"
+                ));
+            }
+            let what = format!("a corner of wall {number}");
+            for corner in &wall.corners {
+                fits(d, &what, corner)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A flat wall with as many corners as the space has dimensions: a segment in the plane, a triangle in
+/// space. Grains are where its corners are counted counter-clockwise from, in the plane on the left of the
+/// way from the first corner to the second.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
-    /// Start.
-    pub a: [f64; 2],
-    /// End.
-    pub b: [f64; 2],
+    /// Corners \[m\].
+    pub corners: Vec<Vec<f64>>,
 }
 
 impl Wall {
-    /// From a point to the nearest point of the segment \[m\].
-    pub fn distance(&self, [x, y]: [f64; 2]) -> f64 {
-        let ([ax, ay], [bx, by]) = (self.a, self.b);
-        let (tx, ty) = (bx - ax, by - ay);
-        let along = ((x - ax) * tx + (y - ay) * ty) / (tx * tx + ty * ty);
-        let along = along.clamp(0.0, 1.0);
-        (x - ax - along * tx).hypot(y - ay - along * ty)
+    /// The segment from `a` to `b`, a wall in the plane.
+    pub fn segment(a: [f64; 2], b: [f64; 2]) -> Wall {
+        Wall {
+            corners: vec![a.to_vec(), b.to_vec()],
+        }
+    }
+
+    /// From a point to the nearest point of the wall \[m\].
+    pub fn distance(&self, point: &[f64]) -> f64 {
+        let [a, b, c] = match &self.corners[..] {
+            [a, b] => return to_segment(point, a, b),
+            [a, b, c] => [a, b, c],
+            _ => return f64::NAN,
+        };
+        if let Some(height) = to_plane(point, a, b, c) {
+            return height;
+        }
+        let rim = [(a, b), (b, c), (c, a)].map(|(from, to)| to_segment(point, from, to));
+        rim.into_iter().fold(f64::INFINITY, f64::min)
+    }
+}
+
+fn between(from: &[f64], to: &[f64]) -> Vec<f64> {
+    to.iter().zip(from).map(|(to, from)| to - from).collect()
+}
+
+/// Summed in the order of the components.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let products = a.iter().zip(b).map(|(a, b)| a * b);
+    products.reduce(|sum, next| sum + next).unwrap_or(0.0)
+}
+
+fn to_segment(point: &[f64], a: &[f64], b: &[f64]) -> f64 {
+    let (way, away) = (between(a, b), between(a, point));
+    let along = (dot(&away, &way) / dot(&way, &way)).clamp(0.0, 1.0);
+    let rest = away.iter().zip(&way).map(|(away, way)| away - along * way);
+    rest.fold(0.0, f64::hypot)
+}
+
+/// Height over the plane of a triangle in space, where its foot lies within the triangle.
+fn to_plane(point: &[f64], a: &[f64], b: &[f64], c: &[f64]) -> Option<f64> {
+    let (u, v, away) = (between(a, b), between(a, c), between(a, point));
+    let (uu, uv, vv) = (dot(&u, &u), dot(&u, &v), dot(&v, &v));
+    let (du, dv) = (dot(&away, &u), dot(&away, &v));
+    let scale = uu * vv - uv * uv;
+    let (s, t) = ((du * vv - dv * uv) / scale, (dv * uu - du * uv) / scale);
+    let within = s >= 0.0 && t >= 0.0 && s + t <= 1.0;
+    let foot = s * du + t * dv;
+    within.then(|| (dot(&away, &away) - foot).max(0.0).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_to_a_segment_and_to_a_triangle() {
+        let segment = Wall::segment([0.0, 0.0], [4.0, 0.0]);
+        assert_eq!(segment.distance(&[1.0, -2.0]), 2.0);
+        assert_eq!(segment.distance(&[7.0, 4.0]), 5.0);
+        let triangle = Wall {
+            corners: vec![
+                vec![0.0, 0.0, 1.0],
+                vec![4.0, 0.0, 1.0],
+                vec![0.0, 4.0, 1.0],
+            ],
+        };
+        assert_eq!(triangle.distance(&[1.0, 1.0, 3.0]), 2.0);
+        assert_eq!(triangle.distance(&[1.0, -3.0, 5.0]), 5.0);
+        assert_eq!(triangle.distance(&[0.0, 0.0, 1.0]), 0.0);
     }
 }

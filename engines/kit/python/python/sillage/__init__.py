@@ -14,17 +14,20 @@ from ._native import (
 )
 from .engine import FluidEngine, ParticleEngine, Request, run_fluid, run_particles
 from .fields import Fields
+from .report import FluidReport, ParticleReport
 from .state import Grains, Mesh
 
 __all__ = [
     "PROTOCOL_VERSION",
     "Fields",
     "FluidEngine",
+    "FluidReport",
     "Grains",
     "Mesh",
     "NotConverged",
     "NotFinite",
     "ParticleEngine",
+    "ParticleReport",
     "Request",
     "SceneError",
     "ViewError",

@@ -55,19 +55,20 @@ class FluidEngine(_Engine):
         """Build the mesh and the initial state; return a :class:`sillage.Mesh`.
 
         ``scene`` is a ``dict`` with the keys of ``FluidScene`` (protocol/src/language/scene), SI units.
-        Raise :class:`sillage.SceneError` for what this engine cannot do, with the key and the value.
+        ``scene["dimension"]`` is 2 or 3. Raise :class:`sillage.SceneError` for what this engine cannot do,
+        with the key and the value.
         """
         raise NotImplementedError
 
     def advance(self, request, inputs, outputs):
         """Compute a candidate from the accepted state, which must not change.
 
-        ``inputs`` (:class:`sillage.Fields`, n nodes): ``porosity`` [–], ``drag`` [kg/(m³ s)],
-        ``drag_source`` [N/m³, n × 2], ``entrained_fraction`` [–], ``solid_flux`` [m/s, n × 2],
-        ``solid_mobility`` [m³ s/kg]. ``outputs``: ``interstitial_velocity`` [m/s, n × 2],
-        ``pressure_gradient`` [Pa/m, n × 2], ``pressure`` [Pa]; all must be written.
+        ``inputs`` (:class:`sillage.Fields`, n nodes in d dimensions): ``porosity`` [–], ``drag`` [kg/(m³ s)],
+        ``drag_source`` [N/m³, n × d], ``entrained_fraction`` [–], ``solid_flux`` [m/s, n × d],
+        ``solid_mobility`` [m³ s/kg]. ``outputs``: ``interstitial_velocity`` [m/s, n × d],
+        ``pressure_gradient`` [Pa/m, n × d], ``pressure`` [Pa]; all must be written.
 
-        Returns a ``dict`` of diagnostics (name to finite number), or ``None``. Raise
+        Returns a :class:`sillage.FluidReport`, or ``None``. Raise
         :class:`sillage.NotConverged` or :class:`sillage.NotFinite` where that is what happened;
         the engine may then be asked again, with a smaller step. Any other exception ends the run.
         """
@@ -86,13 +87,13 @@ class ParticleEngine(_Engine):
     def advance(self, request, inputs, outputs):
         """Compute a candidate from the accepted state, which must not change.
 
-        ``inputs`` (:class:`sillage.Fields`, g grains): ``grain_drag`` γ [kg/s, g], ``grain_force``
-        q [N, g × 2]. ``outputs``: ``grain_position`` [m, g × 2], ``grain_velocity`` at the end [m/s,
-        g × 2], ``grain_mean_velocity`` (displacement over dt, before periodic wrapping) [m/s, g × 2],
+        ``inputs`` (:class:`sillage.Fields`, g grains in d dimensions): ``grain_drag`` γ [kg/s, g],
+        ``grain_force`` q [N, g × d]. ``outputs``: ``grain_position`` [m, g × d], ``grain_velocity`` at the
+        end [m/s, g × d], ``grain_mean_velocity`` (displacement over dt, before periodic wrapping) [m/s, g × d],
         ``grain_contact`` (0 free, 1 touches, 2 held by a wall) [g]; all must be written.
 
-        Diagnostics and exceptions as in :meth:`FluidEngine.advance`. Must report ``sub_steps``
-        (1 where the step is not cut): the coupler models the drag over them.
+        Returns a :class:`sillage.ParticleReport` with the sub-steps that were taken (1 where the step is
+        not cut): the coupler models the drag over them. Exceptions as in :meth:`FluidEngine.advance`.
         """
         raise NotImplementedError
 

@@ -2,31 +2,25 @@
 
 import numpy as np
 
-from ._native import ViewError
+from ._native import FIELDS, ViewError
 
-#: Numbers per node or grain of vector fields; all others have one.
-VECTORS = frozenset(
-    {
-        "drag_source",
-        "solid_flux",
-        "interstitial_velocity",
-        "pressure_gradient",
-        "grain_position",
-        "grain_velocity",
-        "grain_mean_velocity",
-        "grain_force",
-    }
-)
+#: Fields with as many numbers for each node or grain as the space has dimensions; all others have one.
+VECTORS = frozenset(name for name, rank, _, _ in FIELDS if rank == "vector")
 
-#: Fields of which the default is not 0.
-DEFAULTS = {"porosity": 1.0}
+#: What a field is where it is not sent.
+DEFAULTS = {name: default for name, _, default, _ in FIELDS if default is not None}
+
+#: Fields that an engine may be sent, by its seat.
+INPUTS = {
+    seat: tuple(name for name, _, _, sent in FIELDS if f"to {seat}" in sent) for seat in ("fluid", "particles")
+}
 
 
 class Fields:
     """Fields by name: ``inputs.porosity``, ``outputs.pressure[:] = p``.
 
-    Each is a :class:`numpy.ndarray` of ``float64`` in SI units, shape ``(n,)``, or ``(n, 2)`` for a
-    vector, that looks at the shared memory itself: nothing is copied. Inputs are read-only, outputs
+    Each is a :class:`numpy.ndarray` of ``float64`` in SI units, shape ``(n,)``, or ``(n, d)`` for a
+    vector in d dimensions, that looks at the shared memory itself: nothing is copied. Inputs are read-only, outputs
     are writable and filled with NaN until they are written. An input that was not sent is a read-only
     array of its default, see :meth:`given`.
 
@@ -39,9 +33,9 @@ class Fields:
 
     __slots__ = ("_buffers", "_missing", "_open")
 
-    def __init__(self, buffers, missing, count):
+    def __init__(self, buffers, missing, shape):
         object.__setattr__(self, "_buffers", buffers)
-        object.__setattr__(self, "_missing", dict.fromkeys(missing, count))
+        object.__setattr__(self, "_missing", dict.fromkeys(missing, shape))
         object.__setattr__(self, "_open", True)
 
     @property
@@ -58,8 +52,8 @@ class Fields:
         if name in self._missing:
             if not self._open:
                 raise ViewError(f"{name} was read after its step")
-            count = self._missing[name]
-            shape = (count, 2) if name in VECTORS else (count,)
+            shape = self._missing[name]
+            shape = shape if name in VECTORS else shape[:1]
             return np.broadcast_to(np.float64(DEFAULTS.get(name, 0.0)), shape)
         known = ", ".join([*self._buffers, *self._missing])
         raise AttributeError(f"there is no field {name!r} here; there are {known}")

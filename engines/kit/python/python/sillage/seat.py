@@ -5,20 +5,12 @@ import math
 import traceback
 
 from . import _native
-from .fields import Fields
+from .fields import INPUTS, Fields
+from .report import FluidReport, ParticleReport
 from .state import Grains, Mesh
 
-_INPUTS = {
-    "fluid": (
-        "porosity",
-        "drag",
-        "drag_source",
-        "entrained_fraction",
-        "solid_flux",
-        "solid_mobility",
-    ),
-    "particles": ("grain_drag", "grain_force"),
-}
+#: What an engine in each seat may return from ``advance``, and what that is where it returns None.
+_REPORTS = {"fluid": (FluidReport, FluidReport()), "particles": (ParticleReport, None)}
 
 
 def _forget_locals(error):
@@ -40,40 +32,48 @@ class Seat:
         self.name = str(getattr(engine, "name", type(engine).__name__))
         self.version = str(getattr(engine, "version", "0"))
         self.capabilities = list(getattr(engine, "capabilities", ()))
-        self.count = 0
+        #: Nodes or grains, and dimensions.
+        self.shape = (0, 2)
 
     def configure_fluid(self, scene):
-        mesh = self.engine.configure(json.loads(scene))
+        scene = json.loads(scene)
+        mesh = self.engine.configure(scene)
         if not isinstance(mesh, Mesh):
             raise TypeError(f"configure returned {type(mesh).__name__}, must be a sillage.Mesh")
-        self.count = len(mesh.nodes)
+        self.shape = mesh.nodes.shape
         return mesh
 
     def configure_particles(self, scene, arrays):
-        grains = Grains._from_bytes(arrays)
-        taken = self.engine.configure(json.loads(scene), grains)
+        scene = json.loads(scene)
+        dimension = scene["dimension"]
+        taken = self.engine.configure(scene, Grains._from_bytes(arrays, dimension))
         if taken is None:
-            taken = Grains._from_bytes(arrays)
+            taken = Grains._from_bytes(arrays, dimension)
         if not isinstance(taken, Grains):
             raise TypeError(f"configure returned {type(taken).__name__}, must be sillage.Grains")
         taken.__post_init__()  # it may have been changed since
-        self.count = len(taken)
+        self.shape = taken.position.shape
         return taken._arrays()
 
     def advance(self, numbers, given, filled):
         from .engine import Request
 
-        missing = [name for name in _INPUTS[self.role] if name not in given]
-        inputs, outputs = Fields(given, missing, self.count), Fields(filled, (), self.count)
+        missing = [name for name in INPUTS[self.role] if name not in given]
+        inputs, outputs = Fields(given, missing, self.shape), Fields(filled, (), self.shape)
         try:
-            diagnostics = self.engine.advance(Request(*numbers), inputs, outputs)
+            report = self.engine.advance(Request(*numbers), inputs, outputs)
         except BaseException as error:
             _forget_locals(error)
             raise
         finally:
             inputs._close()
             outputs._close()
-        return [(str(name), self._number(name, value)) for name, value in (diagnostics or {}).items()]
+        kind, nothing = _REPORTS[self.role]
+        report = nothing if report is None else report
+        if not isinstance(report, kind):
+            raise TypeError(f"advance returned {type(report).__name__}, must be a sillage.{kind.__name__}")
+        named = report.diagnostics.items()
+        return report._numbers(), [(str(name), self._number(name, value)) for name, value in named]
 
     @staticmethod
     def _number(name, value):

@@ -1,6 +1,7 @@
 """What an engine tells about itself when it is configured: its mesh, or its grains."""
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,45 +25,51 @@ def _numbers(name, values, *shape):
 
 @dataclass
 class Mesh:
-    """The mesh of a fluid engine: linear shape functions on triangles; SI units.
+    """The mesh of a fluid engine: linear shape functions on simplices (triangles in the plane); SI units.
 
     The engine keeps the arrays, Sillage takes a copy.
     """
 
-    #: Coordinates [m], n × 2.
+    #: Coordinates [m], n × d.
     nodes: np.ndarray
-    #: Corners of the triangles, t × 3, counter-clockwise, from 0.
-    triangles: np.ndarray
-    #: Coordinates of the corners [m], t × 3 × 2; needed where a triangle crosses a periodic boundary.
-    triangle_position: np.ndarray | None = None
-    #: ∫N of each node [m²], n; computed when left out.
+    #: Corners of the simplices, s × (d + 1), positively oriented (counter-clockwise), from 0.
+    simplices: np.ndarray
+    #: Coordinates of the corners [m], s × (d + 1) × d; needed where one crosses a periodic boundary.
+    simplex_position: np.ndarray | None = None
+    #: ∫N of each node [m²; m³], n; computed when left out.
     nodal_mass: np.ndarray | None = None
-    #: Period in x and y [m].
-    period: tuple[float | None, float | None] = field(default=(None, None))
+    #: Period along each axis [m]; left out: none.
+    period: tuple[float | None, ...] | None = None
 
     def __post_init__(self):
-        self.nodes = _numbers("nodes", self.nodes, None, 2)
-        corners = np.asarray(self.triangles)
-        self.triangles = _numbers("triangles", corners, None, 3)
-        corners = self.triangles.astype(np.int64)
-        if (corners != self.triangles).any() or corners.min() < 0 or corners.max() >= len(self.nodes):
-            raise ValueError(f"triangles must hold whole numbers from 0 to {len(self.nodes) - 1}")
-        if self.triangle_position is None:
-            self.triangle_position = self.nodes[corners]
-        position = _numbers("triangle_position", self.triangle_position, len(corners), 3, 2)
-        self.triangle_position = position
-        a, b, c = position[:, 0], position[:, 1], position[:, 2]
-        area = 0.5 * ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
-        if (area <= 0.0).any():
-            worst = int(area.argmin())
+        self.nodes = _numbers("nodes", self.nodes, None, None)
+        d = self.dimension
+        self.simplices = _numbers("simplices", np.asarray(self.simplices), None, d + 1)
+        corners = self.simplices.astype(np.int64)
+        if (corners != self.simplices).any() or corners.min() < 0 or corners.max() >= len(self.nodes):
+            raise ValueError(f"simplices must hold whole numbers from 0 to {len(self.nodes) - 1}")
+        if self.simplex_position is None:
+            self.simplex_position = self.nodes[corners]
+        position = _numbers("simplex_position", self.simplex_position, len(corners), d + 1, d)
+        self.simplex_position = position
+        measure = np.linalg.det(position[:, 1:] - position[:, :1]) / math.factorial(d)
+        if (measure <= 0.0).any():
+            worst = int(measure.argmin())
             raise ValueError(
-                f"triangle {worst} has area {area[worst]:.3e} m²: corners must be counter-clockwise"
+                f"simplex {worst} has measure {measure[worst]:.3e} m^{d}: corners must be positively "
+                "oriented (in the plane counter-clockwise)"
             )
         if self.nodal_mass is None:
-            thirds = np.repeat(area / 3.0, 3)
-            self.nodal_mass = np.bincount(corners.ravel(), thirds, minlength=len(self.nodes))
+            shares = np.repeat(measure / (d + 1), d + 1)
+            self.nodal_mass = np.bincount(corners.ravel(), shares, minlength=len(self.nodes))
         self.nodal_mass = _numbers("nodal_mass", self.nodal_mass, len(self.nodes))
-        self.period = tuple(None if p is None else float(p) for p in self.period)
+        period = (None,) * d if self.period is None else self.period
+        self.period = [None if p is None else float(p) for p in period]
+
+    @property
+    def dimension(self):
+        """Of the space."""
+        return self.nodes.shape[1]
 
 
 @dataclass
@@ -72,9 +79,9 @@ class Grains:
     The arrays are the engine's own: it may keep and change them.
     """
 
-    #: Centres [m], g × 2.
+    #: Centres [m], g × d.
     position: np.ndarray
-    #: Velocities [m/s], g × 2.
+    #: Velocities [m/s], g × d.
     velocity: np.ndarray
     #: Radii [m], g.
     radius: np.ndarray
@@ -86,9 +93,9 @@ class Grains:
     fixed: np.ndarray
 
     def __post_init__(self):
-        self.position = _numbers("position", self.position, None, 2)
-        count = len(self.position)
-        self.velocity = _numbers("velocity", self.velocity, count, 2)
+        self.position = _numbers("position", self.position, None, None)
+        count, dimension = self.position.shape
+        self.velocity = _numbers("velocity", self.velocity, count, dimension)
         self.radius = _numbers("radius", self.radius, count)
         self.mass = _numbers("mass", self.mass, count)
         self.volume = _numbers("volume", self.volume, count)
@@ -100,11 +107,12 @@ class Grains:
         return len(self.radius)
 
     @classmethod
-    def _from_bytes(cls, arrays):
+    def _from_bytes(cls, arrays, dimension):
         position, velocity, radius, mass, volume, fixed = (
             np.frombuffer(array, dtype=np.float64) for array in arrays
         )
-        return cls(position.reshape(-1, 2), velocity.reshape(-1, 2), radius, mass, volume, fixed != 0.0)
+        vectors = (vector.reshape(-1, dimension) for vector in (position, velocity))
+        return cls(*vectors, radius, mass, volume, fixed != 0.0)
 
     def _arrays(self):
         fixed = self.fixed.astype(np.float64)

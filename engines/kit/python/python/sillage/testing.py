@@ -19,14 +19,15 @@ __all__ = ["Candidate", "EngineFailed", "FluidDriver", "ParticleDriver", "fluid_
 
 
 class Candidate(dict):
-    """Copies of the fields by name; ``diagnostics`` by name."""
+    """Copies of the fields by name; ``report`` and ``diagnostics`` by name."""
 
-    def __init__(self, arrays, diagnostics):
+    def __init__(self, dimension, arrays, report, diagnostics):
         super().__init__()
+        self.report = dict(report)
         self.diagnostics = dict(diagnostics)
         for name, data in arrays:
             values = np.frombuffer(data, dtype=np.float64)
-            self[name] = values.reshape(-1, 2) if name in VECTORS else values
+            self[name] = values.reshape(-1, dimension) if name in VECTORS else values
 
     __getattr__ = dict.__getitem__
 
@@ -37,6 +38,7 @@ class _Driver:
     def __init__(self, engine):
         self._native = _native.Driver(self.role, Seat(engine, self.role))
         self.step, self.time, self._pass, self._dt = 0, 0.0, 0, 0.0
+        self.dimension = 2
 
     def __enter__(self):
         return self
@@ -56,7 +58,7 @@ class _Driver:
             for name, values in fields.items()
         ]
         self._pass, self._dt = self._pass + 1, dt
-        return Candidate(*self._native.advance(numbers, given))
+        return Candidate(self.dimension, *self._native.advance(numbers, given))
 
     def commit(self):
         """Accept the last candidate."""
@@ -82,11 +84,12 @@ class FluidDriver(_Driver):
     role = "fluid"
 
     def configure(self, scene):
-        """The engine's mesh: ``nodes`` (n × 2), ``triangles`` (t × 3), ``nodal_mass`` (n)."""
+        """The engine's mesh: ``nodes`` (n × d), ``simplices`` (s × (d + 1)), ``nodal_mass`` (n)."""
+        self.dimension = scene["dimension"]
         arrays = dict(self._native.configure_fluid(json.dumps(scene)))
         mesh = {name: np.frombuffer(data, dtype=np.float64) for name, data in arrays.items()}
-        mesh["nodes"] = mesh["nodes"].reshape(-1, 2)
-        mesh["triangles"] = mesh["triangles"].reshape(-1, 3).astype(int)
+        mesh["nodes"] = mesh["nodes"].reshape(-1, self.dimension)
+        mesh["simplices"] = mesh["simplices"].reshape(-1, self.dimension + 1).astype(int)
         return mesh
 
 
@@ -97,6 +100,7 @@ class ParticleDriver(_Driver):
 
     def configure(self, scene, grains):
         """Give the engine these :class:`sillage.Grains`; how many it will run."""
+        self.dimension = scene["dimension"]
         arrays = [array.ravel() for array in grains._arrays()]
         return self._native.configure_particles(json.dumps(scene), arrays)
 
@@ -111,6 +115,7 @@ def fluid_scene(**changes):
         "grading": [1.0, 1.0],
     }
     scene = {
+        "dimension": 2,
         "density": 1000.0,
         "dynamic_viscosity": 1.0,
         "gravity": [0.0, -9.81],
@@ -130,6 +135,7 @@ def fluid_scene(**changes):
 def particle_scene(**changes):
     """A scene's part for a particle engine: gravity, no walls, no friction."""
     scene = {
+        "dimension": 2,
         "gravity": [0.0, -9.81],
         "walls": [],
         "period": [None, None],

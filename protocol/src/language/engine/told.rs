@@ -1,0 +1,90 @@
+//! What an engine tells about itself when it is configured: its mesh, or its grains.
+
+use crate::language::field::Field;
+
+/// The mesh of a fluid engine. Flat numbers; shapes: see [`Field`].
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MeshDescription {
+    /// Dimension d of the space.
+    pub dimension: usize,
+    /// Node coordinates \[m\], d numbers each.
+    pub node_position: Vec<f64>,
+    /// Nodes of each simplex's corners, positively oriented, d + 1 numbers each.
+    pub simplex_nodes: Vec<u32>,
+    /// Coordinates of each simplex's corners \[m\], unwrapped across periodic boundaries, d (d + 1) numbers
+    /// each.
+    pub simplex_position: Vec<f64>,
+    /// Lumped mass of each node \[m²; m³ in space\].
+    pub nodal_mass: Vec<f64>,
+    /// Period along each axis \[m\].
+    pub period: Vec<Option<f64>>,
+}
+
+impl MeshDescription {
+    /// How many nodes it has.
+    pub fn node_count(&self) -> usize {
+        self.nodal_mass.len()
+    }
+
+    /// How many simplices it has.
+    pub fn simplex_count(&self) -> usize {
+        self.simplex_nodes.len() / (self.dimension + 1)
+    }
+
+    /// Area (in space the volume) of a simplex; negative where its corners are the wrong way round.
+    pub fn measure(&self, simplex: usize) -> f64 {
+        let d = self.dimension;
+        let corners = &self.simplex_position[simplex * d * (d + 1)..];
+        let edge = |corner: usize, axis: usize| corners[corner * d + axis] - corners[axis];
+        if d == 2 {
+            return 0.5 * (edge(1, 0) * edge(2, 1) - edge(2, 0) * edge(1, 1));
+        }
+        let minor = |a: usize, b: usize| edge(2, a) * edge(3, b) - edge(2, b) * edge(3, a);
+        let determinant =
+            edge(1, 0) * minor(1, 2) - edge(1, 1) * minor(0, 2) + edge(1, 2) * minor(0, 1);
+        determinant / 6.0
+    }
+
+    /// Corners of the simplices as numbers of a field.
+    pub fn corner_numbers(&self) -> Vec<f64> {
+        self.simplex_nodes.iter().map(|&node| node.into()).collect()
+    }
+}
+
+/// Grains as they are when a run begins. Flat numbers; shapes: see [`Field`].
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct InitialGrains {
+    /// Dimension d of the space.
+    pub dimension: usize,
+    /// Centres \[m\], d numbers each.
+    pub position: Vec<f64>,
+    /// Velocities \[m/s\], d numbers each.
+    pub velocity: Vec<f64>,
+    /// Radii \[m\].
+    pub radius: Vec<f64>,
+    /// Masses \[kg\].
+    pub mass: Vec<f64>,
+    /// Volumes \[m³\] (disk: m²).
+    pub volume: Vec<f64>,
+    /// 1 for a grain that never moves.
+    pub fixed: Vec<f64>,
+}
+
+impl InitialGrains {
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.radius.len()
+    }
+
+    /// The fields in the order of [`GRAINS`](crate::field::GRAINS).
+    pub fn slices(&self) -> [(Field, &[f64]); 6] {
+        [
+            (Field::GrainPosition, &self.position),
+            (Field::GrainVelocity, &self.velocity),
+            (Field::GrainRadius, &self.radius),
+            (Field::GrainMass, &self.mass),
+            (Field::GrainVolume, &self.volume),
+            (Field::GrainFixed, &self.fixed),
+        ]
+    }
+}
