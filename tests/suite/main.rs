@@ -1,7 +1,6 @@
 //! All tests of the coupled system in one binary, a module a subject. Slow ones are ignored with
 //! the command that runs them; their tables stand in `docs/verification.md`.
 
-mod architecture;
 mod bed;
 mod cloud;
 mod column;
