@@ -26,9 +26,7 @@ pub use transport::{channel, ipc, local};
 
 // The names of before, until everybody has moved.
 #[doc(hidden)]
-pub use language::message as messages;
 #[doc(hidden)]
-pub use language::scene as configure;
 
 /// The engine in the guide compiles.
 #[cfg(doctest)]

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use protocol::configure::MeshSource;
+use protocol::scene::MeshSource;
 use protocol::field::Field;
-use protocol::messages::{Diagnostic, ToOrchestrator};
+use protocol::message::{Diagnostic, ToOrchestrator};
 use protocol::monitor::Event;
 use run::folder::document::{self, Ending};
 use run::folder::run_folder::RunFolder;

@@ -1,6 +1,6 @@
 //! How the fields of one exchange are sent and received, with validation.
 
-use crate::language::engine::InitialGrains;
+use crate::language::engine::told::InitialGrains;
 use crate::language::error::Error;
 use crate::language::field::{Field, Support};
 use crate::language::header::{Expected, Stage};

@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
 
-use crate::{
+use crate::constants::{
     SILLAGE_ABI_VERSION, SILLAGE_AFFINE_RESPONSE, SILLAGE_CHECKPOINT, SILLAGE_CONTACT_STATE,
     SILLAGE_FAILURE_ENGINE, SILLAGE_FAILURE_NOT_CONVERGED, SILLAGE_FAILURE_NOT_FINITE,
     SILLAGE_FAILURE_SCENE, SILLAGE_IMPLICIT_DRAG,

@@ -1,6 +1,6 @@
 //! Keys of contacts and of the coupling: `[contact]` and `[coupling]`.
 
-use protocol::configure::{AdaptiveStep, DragLaw, Geometry, Scheme};
+use protocol::scene::{AdaptiveStep, DragLaw, Geometry, Scheme};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use protocol::configure::{Convection, Diagonals, Nonlinear, Profile, TimeScheme, ViscousForm};
+use protocol::scene::{Convection, Diagonals, Nonlinear, Profile, TimeScheme, ViscousForm};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

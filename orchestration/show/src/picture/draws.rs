@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use protocol::field::Field;
-use protocol::messages::ToOrchestrator;
+use protocol::message::ToOrchestrator;
 use protocol::monitor::Event;
 use protocol::scene::{Wall, fixed};
 use run::folder::draw::Draw;

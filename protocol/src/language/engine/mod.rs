@@ -7,7 +7,7 @@ mod lockstep;
 mod seats;
 mod serve;
 mod session;
-mod told;
+pub(crate) mod told;
 mod traits;
 
 pub use fields::{Inputs, Outputs};
