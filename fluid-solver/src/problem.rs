@@ -127,7 +127,7 @@ where
                 step: number, pass, ..
             } = step.request;
             let reynolds = candidate.reynolds;
-            tracing::info!(step = number, pass, reynolds, bound, "convection is there");
+            tracing::debug!(step = number, pass, reynolds, bound, "convection is there");
             if step.begins_at_rest() && !self.iterates() {
                 // Nothing convects in this step: it has been solved with all terms.
                 return Ok(marked(candidate, true, true));

@@ -74,6 +74,10 @@ where
     /// Accept the last candidate.
     pub fn commit(&mut self) -> Result<(), FluidError> {
         let candidate = self.candidate.take().ok_or(FluidError::NoCandidate)?;
+        if candidate.state.convected && !self.accepted.convected {
+            let (time, reynolds) = (candidate.state.time, candidate.reynolds);
+            tracing::info!(time, reynolds, "convection is there from now on");
+        }
         self.accepted = candidate.state;
         self.problem.forget_cost();
         Ok(())

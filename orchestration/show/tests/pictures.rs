@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use protocol::scene::MeshSource;
 use protocol::field::Field;
 use protocol::message::{Diagnostic, ToOrchestrator};
 use protocol::monitor::Event;
+use protocol::scene::MeshSource;
 use run::folder::document::{self, Ending};
 use run::folder::run_folder::RunFolder;
 use run::folder::writer::Writer;
@@ -187,7 +187,10 @@ fn a_run_folder_holds_everything_that_is_promised() {
     }
     let steps = std::fs::read_to_string(path.join("steps.csv")).expect("steps");
     println!("{steps}");
-    assert_eq!(steps.lines().next(), Some("step,time,wall,momentum_defect"));
+    assert_eq!(
+        steps.lines().next(),
+        Some("step,time,wall_step,momentum_defect")
+    );
     assert_eq!(steps.lines().count(), 6);
     let report = std::fs::read_to_string(path.join("run.json")).expect("run.json");
     let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");

@@ -172,7 +172,7 @@ fn a_foreign_file_is_named_and_another_version_too() {
                 protocol: 7,
                 ..begin(3)
             },
-            "records protocol 7, this program reads 1",
+            "records protocol 7, this program reads 2",
         ),
         (
             Begin {

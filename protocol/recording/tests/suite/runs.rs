@@ -365,7 +365,7 @@ fn a_summary_tells_what_is_there() {
     record(&path, Options::default(), 8);
     let text = summary(&mut Reader::open(&path).expect("a recording")).expect("a summary");
     println!("{text}");
-    assert!(text.starts_with("protocol 1, format 1, toy-coupler 1\nfluid: toy-fluid 1\n"));
+    assert!(text.starts_with("protocol 2, format 1, toy-coupler 1\nfluid: toy-fluid 1\n"));
     assert!(text.contains("4 steps, 11 candidates, 0 failed\ncomplete, exit code 0\n"));
     let row = text.lines().find(|line| line.starts_with("fluid/porosity"));
     let words: Vec<&str> = row.expect("a row").split_whitespace().collect();
