@@ -24,10 +24,6 @@ pub use language::{codec, engine, error, field, header, message, report, scene};
 pub use run::{process, runspace};
 pub use transport::{channel, ipc, local};
 
-// The names of before, until everybody has moved.
-#[doc(hidden)]
-#[doc(hidden)]
-
 /// The engine in the guide compiles.
 #[cfg(doctest)]
 #[doc = include_str!("../../docs/writing-an-engine.md")]

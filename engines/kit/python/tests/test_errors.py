@@ -84,7 +84,7 @@ def test_a_diagnostic_that_is_not_finite_is_refused():
     class Odd(Falling):
         def advance(self, request, inputs, outputs):
             super().advance(request, inputs, outputs)
-            return {"energy": float("inf")}
+            return sillage.ParticleReport(1, diagnostics={"energy": float("inf")})
 
     with driver_of(Odd()) as driver:
         with pytest.raises(sillage.NotFinite, match="energy is inf"):

@@ -42,6 +42,9 @@ class Mesh:
     period: tuple[float | None, ...] | None = None
 
     def __post_init__(self):
+        shape = np.shape(self.nodes)
+        if len(shape) != 2 or shape[1] not in (2, 3):
+            raise ValueError(f"nodes has shape {shape}, must be n × 2 or n × 3")
         self.nodes = _numbers("nodes", self.nodes, None, None)
         d = self.dimension
         self.simplices = _numbers("simplices", np.asarray(self.simplices), None, d + 1)
