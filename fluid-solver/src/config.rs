@@ -9,10 +9,6 @@ use crate::boundary::condition::Condition;
 use crate::equations::coefficients::{BodyForce, ViscousForm};
 use crate::error::FluidError;
 
-/// Re of (R1) up to which convection is left out where it may be: what that changes is at most this
-/// part of the velocity.
-pub const CREEPING_REYNOLDS: f64 = 1e-3;
-
 /// Time scheme.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TimeScheme {

@@ -7,13 +7,13 @@ use protocol::engine::{Computed, FluidEngine, Inputs, MeshDescription, Outputs};
 use protocol::field::Field;
 use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
 use protocol::report::FluidReport;
-use protocol::scene::{self, Convection, FluidScene, MeshSource, fixed};
+use protocol::scene::{self, CREEPING_REYNOLDS, Convection, FluidScene, MeshSource, fixed};
 
 use space::flat;
 
 use crate::boundary::condition::{Condition, periodic_directions};
 use crate::candidate::Request;
-use crate::config::{CREEPING_REYNOLDS, FluidConfig, Nonlinear, TimeScheme};
+use crate::config::{FluidConfig, Nonlinear, TimeScheme};
 use crate::equations::coefficients::ViscousForm;
 use crate::error::FluidError;
 use crate::mesh::gmsh;

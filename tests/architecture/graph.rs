@@ -72,18 +72,6 @@ fn crates_depend_on_each_other_as_the_law_says_and_nobody_links_an_engine() {
     }
 }
 
-/// The orchestrator links no engine and tells this bound from its own copy.
-#[test]
-fn the_bound_that_a_plan_tells_is_that_of_the_engine() {
-    use scene::plan::choices;
-    let (told, own) = (
-        choices::CREEPING_REYNOLDS,
-        fluid_solver::config::CREEPING_REYNOLDS,
-    );
-    println!("Reynolds number below which convection is left out: {told}");
-    assert_eq!(told, own);
-}
-
 #[test]
 fn only_serve_and_main_of_an_engine_name_the_protocol() {
     for folder in crates() {

@@ -2,11 +2,12 @@
 
 use fluid_solver::boundary::Condition;
 use fluid_solver::candidate::{Candidate, Request};
-use fluid_solver::config::{CREEPING_REYNOLDS, FluidConfig};
+use fluid_solver::config::FluidConfig;
 use fluid_solver::mesh::Rectangle;
 use fluid_solver::solid::SolidFields;
 use fluid_solver::state::State;
 use fluid_solver::step::FluidSolver;
+use protocol::scene::CREEPING_REYNOLDS;
 
 const DT: f64 = 0.01;
 /// A lid whose flow needs convection some steps after it began to move, not in the first.

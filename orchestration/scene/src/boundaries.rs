@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use protocol::scene::{Boundary, Profile};
 
 use crate::check::Checker;
-use crate::keys::{BoundaryKey, Rectangle};
+use crate::keys::Rectangle;
 use crate::read::nearest;
 
 /// Sides of a rectangle: the names of its boundaries.
@@ -13,7 +13,7 @@ pub const SIDES: [&str; 4] = ["left", "right", "bottom", "top"];
 
 /// A condition for each of `names`; refuses unknown names and names without a condition.
 pub fn by_name(
-    keys: &BTreeMap<String, BoundaryKey>,
+    keys: &BTreeMap<String, Boundary<[f64; 2]>>,
     names: &[String],
     checker: &mut Checker<'_>,
 ) -> BTreeMap<String, Boundary> {
@@ -39,7 +39,7 @@ pub fn by_name(
     for name in names {
         match keys.get(name).or_else(|| keys.get("all")) {
             Some(boundary) => {
-                boundaries.insert(name.clone(), condition(boundary));
+                boundaries.insert(name.clone(), boundary.map(|velocity| velocity.to_vec()));
             }
             None => checker.refuse(
                 &format!("fluid.boundaries.{name}"),
@@ -119,19 +119,4 @@ fn net_inflow(boundaries: &BTreeMap<String, Boundary>, rectangle: &Rectangle) ->
         }
     }
     (net, largest)
-}
-
-fn condition(key: &BoundaryKey) -> Boundary {
-    match key {
-        BoundaryKey::NoSlip => Boundary::NoSlip,
-        BoundaryKey::Slip => Boundary::Slip,
-        BoundaryKey::Periodic => Boundary::Periodic,
-        BoundaryKey::Inflow { velocity, profile } => Boundary::Inflow {
-            velocity: velocity.to_vec(),
-            profile: *profile,
-        },
-        BoundaryKey::Open { pressure } => Boundary::Open {
-            pressure: *pressure,
-        },
-    }
 }

@@ -4,9 +4,7 @@ use protocol::field::Field;
 use protocol::scene::{AdaptiveStep, Geometry, Nonlinear, Scheme};
 
 use crate::document::Document;
-use crate::keys::{
-    BoundaryKey, Contact, Coupling, Fluid, GrainDomain, LimitKeys, Rectangle, SceneFile,
-};
+use crate::keys::{Contact, Coupling, Fluid, GrainDomain, LimitKeys, Rectangle, SceneFile};
 use crate::keys::{Grains, Radius};
 use crate::problem::Problem;
 use crate::read::nearest;
@@ -167,15 +165,8 @@ impl<'a> Checker<'a> {
             _ => self.refuse("fluid.domain", "write exactly one of rectangle and mesh"),
         }
         for (name, boundary) in &fluid.boundaries {
-            let key = format!("fluid.boundaries.{name}");
-            match boundary {
-                BoundaryKey::Inflow { velocity, .. } => {
-                    self.finite(&format!("{key}.inflow.velocity"), velocity);
-                }
-                BoundaryKey::Open { pressure } => {
-                    self.finite(&format!("{key}.open.pressure"), &[*pressure]);
-                }
-                _ => {}
+            if let Some((place, numbers)) = boundary.numbers() {
+                self.finite(&format!("fluid.boundaries.{name}.{place}"), numbers);
             }
         }
     }

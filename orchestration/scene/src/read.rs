@@ -5,6 +5,9 @@ use crate::error::Error;
 use crate::keys::SceneFile;
 use crate::problem::{Problem, Problems};
 
+/// What scenes cannot do yet.
+const PLANE: &str = "scenes are plane (x, y); three dimensions cannot be run yet";
+
 /// All keys of a document; unknown keys and wrong types are refused with file and line.
 pub fn read(document: &Document) -> Result<SceneFile, Error> {
     serde_path_to_error::deserialize::<toml::Value, SceneFile>(document.tree.clone()).map_err(
@@ -24,6 +27,9 @@ fn explain(document: &Document, path: &str, message: &str) -> Problem {
         .map_or(("", &[][..]), |(first, rest)| (*first, rest));
     if message.starts_with("unknown field") {
         let key = join(path, first);
+        if key == "dimension" {
+            return document.problem(&key, format!("not a key: {PLANE}"));
+        }
         return document.problem(
             &key,
             format!("unknown key{}", hint(first, known, "keys here")),
@@ -99,6 +105,9 @@ fn join(path: &str, key: &str) -> String {
 /// Rust's type names in plain words.
 fn plain(message: &str) -> String {
     let mut text = message.trim().replace('\n', ", ");
+    if text.starts_with("invalid length 3, expected fewer elements") {
+        return format!("has three numbers, must have two [x, y]: {PLANE}");
+    }
     for (rust, words) in [
         ("expected f64", "expected a number"),
         ("expected usize", "expected a whole number, 0 or more"),

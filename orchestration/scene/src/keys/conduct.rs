@@ -1,10 +1,8 @@
 //! Keys of how a run is made: `[engines]`, `[output]`, `[record]` and `[limits]`.
 
 use recording::Compression;
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
-
-use super::schema;
 
 /// Engines to use instead of the built-in ones.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, Default)]
@@ -44,7 +42,7 @@ pub struct Record {
     /// File, relative to the run folder; its name ends in ".mcap".
     pub file: String,
     /// "zstd" (smaller) or "none".
-    #[schemars(schema_with = "schema::compression")]
+    #[schemars(schema_with = "compression")]
     pub compression: Compression,
 }
 
@@ -87,6 +85,11 @@ impl Default for Output {
             fields: None,
         }
     }
+}
+
+/// The enumeration of recordings, which know nothing of schemas.
+fn compression(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "enum": ["zstd", "none"] })
 }
 
 fn yes() -> bool {

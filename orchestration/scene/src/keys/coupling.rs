@@ -4,8 +4,6 @@ use protocol::scene::{AdaptiveStep, DragLaw, Geometry, Scheme};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::schema;
-
 /// Contacts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -31,23 +29,19 @@ pub struct Contact {
 pub struct Coupling {
     /// { iterated = { tolerance, passes_max } }; or "staggered": one pass. For comparison only, as
     /// they lose stability where stiff: "semi-implicit" and "explicit".
-    #[schemars(schema_with = "schema::scheme")]
     pub scheme: Option<Scheme>,
-    /// Drag law: dallavalle, di-felice, wen-yu, gidaspow, beetstra, stokes or migflow.
+    /// Drag law of a grain among others.
     #[serde(default = "dallavalle")]
-    #[schemars(schema_with = "schema::drag")]
     pub drag: DragLaw,
     /// Does the fluid feel the grains? false: one-way.
     #[serde(default = "yes")]
     pub reaction: bool,
     /// What a grain is: "disk", or { sphere = { depth } } in a slab.
     #[serde(default = "disk")]
-    #[schemars(schema_with = "schema::geometry")]
     pub geometry: Geometry,
     /// Smoothing length of deposited fields (m); 0: none; left out: chosen from grain and cell size.
     pub smoothing_length: Option<f64>,
     /// Adaptive coupling step: { step_min, step_max, courant }.
-    #[schemars(schema_with = "schema::adaptive")]
     pub adaptive: Option<AdaptiveStep>,
 }
 

@@ -2,11 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use protocol::scene::{Convection, Diagonals, Nonlinear, Profile, TimeScheme, ViscousForm};
+use protocol::scene::{Boundary, Convection, Diagonals, Nonlinear, TimeScheme, ViscousForm};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-use super::schema;
 
 /// The fluid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -20,22 +18,18 @@ pub struct Fluid {
     pub domain: Domain,
     /// Condition on each boundary: "all", or left, right, bottom, top of a rectangle, or the
     /// names of the mesh. A name goes before "all".
-    pub boundaries: BTreeMap<String, BoundaryKey>,
+    pub boundaries: BTreeMap<String, Boundary<[f64; 2]>>,
     /// Convection v·∇v: true, false (creeping flow), or "auto": left out while it is small.
     #[serde(default = "as_needed")]
-    #[schemars(schema_with = "schema::convection")]
     pub convection: Convection,
     /// Time scheme: "backward-euler", "bdf2" or "steady".
     #[serde(default = "backward_euler")]
-    #[schemars(schema_with = "schema::time_scheme")]
     pub time_scheme: TimeScheme,
     /// Convection within a step: "picard", or { newton = { tolerance, iterations_max } }.
     #[serde(default = "picard")]
-    #[schemars(schema_with = "schema::nonlinear")]
     pub nonlinear: Nonlinear,
     /// Viscous term: "symmetric", or "paper-literal" for reproduction.
     #[serde(default = "symmetric")]
-    #[schemars(schema_with = "schema::viscous_form")]
     pub viscous_form: ViscousForm,
     /// Factor of the grad-div stabilisation; left out: 1 with grains, 0.1 without.
     pub grad_div: Option<f64>,
@@ -66,37 +60,10 @@ pub struct Rectangle {
     pub cells: [usize; 2],
     /// How cells are cut: "alternate" (no preferred direction) or "uniform" (translation invariant).
     #[serde(default = "alternate")]
-    #[schemars(schema_with = "schema::diagonals")]
     pub diagonals: Diagonals,
     /// Ratio of the largest to the smallest cell in x and y; 1: all equal.
     #[serde(default = "ungraded")]
     pub grading: [f64; 2],
-}
-
-/// A boundary condition.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub enum BoundaryKey {
-    /// u = 0.
-    NoSlip,
-    /// u·n = 0, no tangential traction.
-    Slip,
-    /// Joined with the opposite side of the rectangle.
-    Periodic,
-    /// Velocity given; also a moving wall.
-    Inflow {
-        /// Superficial velocity (m/s); the largest one when parabolic.
-        velocity: [f64; 2],
-        /// Shape across the boundary: "uniform" or "parabolic".
-        #[serde(default = "uniform")]
-        #[schemars(schema_with = "schema::profile")]
-        profile: Profile,
-    },
-    /// Pressure given at the highest point, hydrostatic below it.
-    Open {
-        /// Pressure (Pa).
-        pressure: f64,
-    },
 }
 
 fn as_needed() -> Convection {
@@ -116,7 +83,4 @@ fn alternate() -> Diagonals {
 }
 fn ungraded() -> [f64; 2] {
     [1.0, 1.0]
-}
-fn uniform() -> Profile {
-    Profile::Uniform
 }

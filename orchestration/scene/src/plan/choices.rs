@@ -8,15 +8,14 @@ use std::fmt;
 
 use protocol::field::Field;
 use protocol::message::Role;
-use protocol::scene::{Boundary, Convection, LUMPED_RATIO_MAX, MeshSource, Scheme, Wall};
+use protocol::scene::{
+    Boundary, CREEPING_REYNOLDS, Convection, LUMPED_RATIO_MAX, MeshSource, Scheme, Wall,
+};
 use serde::Serialize;
 use space::grid::SPARE;
 
 use super::cost::Cost;
 use crate::scene::Scene;
-
-/// Reynolds number below which the built-in fluid leaves convection out (fluid-solver/src/equations/creeping.rs).
-pub const CREEPING_REYNOLDS: f64 = 1e-3;
 
 /// Why nothing of the particle engine is needed.
 const NO_PROCESS: &str = "every grain is fixed: there is no particle process";

@@ -3,10 +3,16 @@
 //! In scenes, recordings and JSON it is `false`, `true` or `"auto"`; in a message one byte, 0, 1 or 2.
 //! The first two are those of a `bool`, which is what engines that know nothing else read.
 
+use std::borrow::Cow;
 use std::fmt;
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// Reynolds number of the creeping flow below which an engine leaves convection out where it may: what
+/// that changes is about this part of the velocity.
+pub const CREEPING_REYNOLDS: f64 = 1e-3;
 
 /// ρφ v·∇v in the fluid's equations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,6 +34,16 @@ impl From<bool> for Convection {
             true => Convection::Always,
             false => Convection::Never,
         }
+    }
+}
+
+impl JsonSchema for Convection {
+    fn schema_name() -> Cow<'static, str> {
+        "Convection".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "enum": [true, false, AUTO] })
     }
 }
 

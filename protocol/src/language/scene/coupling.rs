@@ -1,5 +1,6 @@
 //! The resolved scene as the coupler gets it: both engines' parts, how they are coupled, what is put out.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::language::field::Field;
@@ -111,19 +112,19 @@ pub struct Limits {
 }
 
 /// Bounds of an adaptive coupling step.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AdaptiveStep {
-    /// Smallest step \[s\]; below it the run ends.
+    /// Smallest step (s); below it the run ends.
     pub step_min: f64,
-    /// Largest step \[s\].
+    /// Largest step (s).
     pub step_max: f64,
     /// Cells a grain may cross in a step.
     pub courant: f64,
 }
 
 /// Coupling scheme.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub enum Scheme {
     /// Exactly one pass (the paper).
@@ -144,7 +145,7 @@ pub enum Scheme {
 }
 
 /// Drag law.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum DragLaw {
     /// Dallavalle with φ^−1.8 (paper, eq. 5).
@@ -164,14 +165,14 @@ pub enum DragLaw {
 }
 
 /// What a grain is.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub enum Geometry {
     /// A disk, per metre of depth: A = 2r, V = πr².
     Disk,
     /// A sphere in a slab of this depth: A = πr², V = 4/3 πr³.
     Sphere {
-        /// Depth of the slab \[m\].
+        /// Depth of the slab (m).
         depth: f64,
     },
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::boundary::Boundary;
@@ -93,7 +94,7 @@ pub enum MeshSource {
 }
 
 /// Diagonals of the cells of a rectangle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Diagonals {
     /// Alternate from cell to cell: no preferred direction.
@@ -103,7 +104,7 @@ pub enum Diagonals {
 }
 
 /// Time scheme of the fluid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TimeScheme {
     /// First order.
@@ -115,7 +116,7 @@ pub enum TimeScheme {
 }
 
 /// Nonlinear solve of one `Advance`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub enum Nonlinear {
     /// Convecting velocity extrapolated from accepted steps: one linear solve.
@@ -130,7 +131,7 @@ pub enum Nonlinear {
 }
 
 /// Form of the viscous term.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ViscousForm {
     /// −∇·(2μφ D(v)): Galilean invariant.

@@ -10,7 +10,7 @@ mod fluid;
 mod particles;
 
 pub use boundary::{Boundary, Profile};
-pub use convection::Convection;
+pub use convection::{CREEPING_REYNOLDS, Convection};
 pub use coupling::{
     AdaptiveStep, CouplerScene, DragLaw, Geometry, LUMPED_RATIO_MAX, Limits, Scheme,
 };
