@@ -1,6 +1,7 @@
 //! Numbers of one accepted step, as they stand in `steps.csv`.
 
 use protocol::message::Diagnostic;
+use protocol::monitor::columns;
 use space::{Dim, Dimension, Vector, hypot};
 
 use crate::cost::StepCost;
@@ -25,11 +26,11 @@ where
     Dim<D>: Dimension<D>,
 {
     let mut row = Row::default();
-    row.add("step", simulation.state.step as f64);
-    row.add("time", simulation.state.time);
+    row.add(columns::STEP, simulation.state.step as f64);
+    row.add(columns::TIME, simulation.state.time);
     row.add("dt", report.dt);
-    row.add("passes", f64::from(report.passes));
-    row.add("sub_steps", f64::from(report.sub_steps));
+    row.add(columns::PASSES, f64::from(report.passes));
+    row.add(columns::SUB_STEPS, f64::from(report.sub_steps));
     for (name, seconds) in cost.columns() {
         row.add(&name, seconds);
     }
@@ -49,14 +50,6 @@ where
 #[derive(Default)]
 struct Row(Vec<Diagnostic>);
 
-/// Numbers of the particle engine that stand in `steps.csv` where it counts them.
-const COUNTERS: [&str; 4] = [
-    "contact_candidates",
-    "contact_searches",
-    "contact_sweeps",
-    "wall_looks",
-];
-
 impl Row {
     fn add(&mut self, name: &str, value: f64) {
         self.0.push(Diagnostic {
@@ -72,11 +65,11 @@ impl Row {
         let Some(seat) = simulation.system.particles() else {
             return;
         };
-        self.add("contacts", seat.touching().unwrap_or(0) as f64);
-        for name in ["contact_residual", "penetration_max"] {
+        self.add(columns::CONTACTS, seat.touching().unwrap_or(0) as f64);
+        for name in [columns::CONTACT_RESIDUAL, columns::PENETRATION_MAX] {
             self.add(name, value(seat.diagnostics(), name).unwrap_or(0.0));
         }
-        for name in COUNTERS {
+        for name in columns::COUNTERS {
             if let Some(number) = value(seat.diagnostics(), name) {
                 self.add(name, number);
             }
@@ -149,14 +142,14 @@ impl Row {
             self.add("reynolds", reynolds);
         }
         if let Some(convects) = seat.report.convects {
-            self.add("convection", f64::from(convects));
+            self.add(columns::CONVECTION, f64::from(convects));
         }
         for diagnostic in seat.diagnostics.iter().filter(|d| is_column(&d.name)) {
             self.add(&diagnostic.name, diagnostic.value);
         }
         if simulation.system.particles().is_some() {
             let smallest = state.porosity.iter().copied().fold(f64::INFINITY, f64::min);
-            self.add("porosity_min", smallest);
+            self.add(columns::POROSITY_MIN, smallest);
         }
     }
 }

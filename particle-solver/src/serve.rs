@@ -103,7 +103,7 @@ impl ParticleEngine for Engine {
         let (report, mut numbers) = told(candidate)?;
         let [searches, looks] = [0, 1].map(|k| (solver.searches()[k] - self.counted[k]) as f64);
         numbers.push(named("contact_searches", searches));
-        numbers.push(named("wall_looks", looks));
+        numbers.push(named("contact_wall_looks", looks));
         Ok(Computed {
             report,
             diagnostics: numbers,

@@ -88,7 +88,7 @@ fn is_effort(name: &str) -> bool {
     ["wall", "cpu_", "reynolds", "convection"]
         .iter()
         .any(|part| name.starts_with(part))
-        || matches!(name, "contact_searches" | "wall_looks")
+        || matches!(name, "contact_searches" | "contact_wall_looks")
 }
 
 /// Numbers that are compared by size, each beside those of its kind; the rest is round-off.
@@ -178,7 +178,7 @@ fn compare(path: &Path, steps: u64, settings: &[&str]) {
     println!(
         "| {name} | {steps} | {creeping} | {} | {} | {} | {} | {} | {} |",
         both(&|done| sum(done, "contact_searches"), 0),
-        both(&|done| sum(done, "wall_looks"), 0),
+        both(&|done| sum(done, "contact_wall_looks"), 0),
         both(&|done| 1e3 * cpu(done, "fluid"), 0),
         both(&|done| 1e3 * cpu(done, "particles"), 1),
         both(&|done| 1e3 * sum(done, "wall_exchange"), 1),

@@ -4,6 +4,7 @@
 //! reader has looked at it for the first time is lost), `Finished` and `Stopped` (the coupler does
 //! not close its buffers before the orchestrator has read the last of them).
 
+pub mod columns;
 mod receiver;
 mod sender;
 

@@ -6,6 +6,7 @@ use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 
 use protocol::message::Diagnostic;
+use protocol::monitor::columns;
 use scene::Error;
 use serde::Serialize;
 
@@ -46,9 +47,18 @@ pub struct LeftOut {
 
 /// Columns that are 0 in a step that did without a part.
 const PARTS: [(&str, &str); 3] = [
-    ("convection", "convection"),
-    ("contact_candidates", "contacts"),
-    ("wall_looks", "walls"),
+    (columns::CONVECTION, "convection"),
+    (columns::CONTACT_CANDIDATES, "contacts"),
+    (columns::CONTACT_WALL_LOOKS, "walls"),
+];
+
+/// Counters whose sum over the steps says something, beside the columns of cost.
+const SUMMED: [&str; 5] = [
+    columns::PASSES,
+    columns::SUB_STEPS,
+    columns::CONTACT_SEARCHES,
+    columns::CONTACT_SWEEPS,
+    columns::CONTACT_WALL_LOOKS,
 ];
 
 impl Steps {
@@ -91,12 +101,9 @@ impl Steps {
 
 /// Counters without, all else with exponent; both read back to the same bits.
 fn number(name: &str, value: f64) -> String {
-    match name {
-        "step" | "passes" | "sub_steps" | "contacts" | "convection" => format!("{value}"),
-        "contact_candidates" | "contact_searches" | "contact_sweeps" | "wall_looks" => {
-            format!("{value}")
-        }
-        _ => format!("{value:e}"),
+    match columns::is_count(name) {
+        true => format!("{value}"),
+        false => format!("{value:e}"),
     }
 }
 
@@ -112,16 +119,15 @@ impl Summary {
                 *entry = pick(*entry, *value);
             };
             match name.as_str() {
-                "time" => self.time = *value,
-                "passes" | "sub_steps" | "contact_searches" | "contact_sweeps" | "wall_looks" => {
-                    *self.sums.entry(name.clone()).or_default() += value
+                columns::TIME => self.time = *value,
+                name if SUMMED.contains(&name) || columns::is_cost(name) => {
+                    *self.sums.entry(name.to_owned()).or_default() += value
                 }
-                _ if name.starts_with("cpu_") || name.starts_with("wall_") => {
-                    *self.sums.entry(name.clone()).or_default() += value
+                columns::CONTACT_RESIDUAL | columns::PENETRATION_MAX => {
+                    kept(&mut self.worst, larger)
                 }
-                "contact_residual" | "penetration_max" => kept(&mut self.worst, larger),
-                "porosity_min" => kept(&mut self.worst, f64::min),
-                _ if name.ends_with("_defect") => kept(&mut self.worst, larger),
+                columns::POROSITY_MIN => kept(&mut self.worst, f64::min),
+                name if name.ends_with(columns::DEFECT) => kept(&mut self.worst, larger),
                 _ => {}
             }
         }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use protocol::monitor::columns;
 use recording::Key;
 use recording::compare::Difference;
 
@@ -136,7 +137,8 @@ impl Table {
                 let why = format!("{} cells, {} columns are named", cells.len(), names.len());
                 return Err(refuse(why));
             }
-            for (name, cell) in names.iter().zip(cells).filter(|(name, _)| !is_time(name)) {
+            let compared = names.iter().zip(cells);
+            for (name, cell) in compared.filter(|(name, _)| !columns::is_cost(name)) {
                 let value = match cell {
                     "" => f64::NAN,
                     cell => cell
@@ -152,8 +154,4 @@ impl Table {
         }
         Ok(table)
     }
-}
-
-fn is_time(name: &str) -> bool {
-    name.starts_with("wall_") || name.starts_with("cpu_")
 }

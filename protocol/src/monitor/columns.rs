@@ -1,0 +1,54 @@
+//! Columns of `steps.csv` that its writer, its reader and an engine know by name.
+//!
+//! The others are only put out. Columns of cost, and no others, start with [`COST`].
+
+/// Number of the step.
+pub const STEP: &str = "step";
+/// End of the step \[s\].
+pub const TIME: &str = "time";
+/// Passes of the coupling.
+pub const PASSES: &str = "passes";
+/// Sub-steps of the last pass.
+pub const SUB_STEPS: &str = "sub_steps";
+/// Contacts that touch.
+pub const CONTACTS: &str = "contacts";
+/// Is the convection there? 0 or 1.
+pub const CONVECTION: &str = "convection";
+/// How far the impulses are from the contact laws.
+pub const CONTACT_RESIDUAL: &str = "contact_residual";
+/// Deepest overlap \[m\].
+pub const PENETRATION_MAX: &str = "penetration_max";
+/// Smallest porosity of a node.
+pub const POROSITY_MIN: &str = "porosity_min";
+
+/// Pairs that may touch in the step; 0: the step did without contacts.
+pub const CONTACT_CANDIDATES: &str = "contact_candidates";
+/// Searches for such pairs.
+pub const CONTACT_SEARCHES: &str = "contact_searches";
+/// Sweeps of the contact solver.
+pub const CONTACT_SWEEPS: &str = "contact_sweeps";
+/// How often grains were held against walls; 0: the step did without walls.
+pub const CONTACT_WALL_LOOKS: &str = "contact_wall_looks";
+
+/// Numbers of the particle engine that are columns where it counts them.
+pub const COUNTERS: [&str; 4] = [
+    CONTACT_CANDIDATES,
+    CONTACT_SEARCHES,
+    CONTACT_SWEEPS,
+    CONTACT_WALL_LOOKS,
+];
+
+/// How the names of CPU and wall-clock seconds start.
+pub const COST: [&str; 2] = ["cpu_", "wall_"];
+/// How the names of what a budget leaves end.
+pub const DEFECT: &str = "_defect";
+
+/// Is it seconds of CPU or wall clock, which differ from run to run?
+pub fn is_cost(name: &str) -> bool {
+    COST.iter().any(|prefix| name.starts_with(prefix))
+}
+
+/// Is it a whole number?
+pub fn is_count(name: &str) -> bool {
+    [STEP, PASSES, SUB_STEPS, CONTACTS, CONVECTION].contains(&name) || COUNTERS.contains(&name)
+}
