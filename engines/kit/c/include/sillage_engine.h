@@ -34,51 +34,6 @@
 #include <stdint.h>
 
 /*
- Version of this interface; compare with sillage_abi_version().
- */
-#define SILLAGE_ABI_VERSION 2
-
-/*
- Fluid: the entrained fraction and the solid mobility are used, not only drag and source.
- */
-#define SILLAGE_AFFINE_RESPONSE 0
-
-/*
- Particles: the drag is taken implicitly, in the free motion and in the contacts.
- */
-#define SILLAGE_IMPLICIT_DRAG 1
-
-/*
- Particles: contact 2 tells grains that a wall or a fixed grain holds.
- */
-#define SILLAGE_CONTACT_STATE 2
-
-/*
- Both: save and restore bring back the same bits.
- */
-#define SILLAGE_CHECKPOINT 3
-
-/*
- The scene's part is not usable (exit code 2).
- */
-#define SILLAGE_FAILURE_SCENE 2
-
-/*
- The engine cannot do this, or broke (exit code 4).
- */
-#define SILLAGE_FAILURE_ENGINE 4
-
-/*
- A value is not finite, or an invariant is broken (exit code 7).
- */
-#define SILLAGE_FAILURE_NOT_FINITE 7
-
-/*
- An iteration did not converge (exit code 8).
- */
-#define SILLAGE_FAILURE_NOT_CONVERGED 8
-
-/*
  Porosity φ. (–; scalar)
  */
 #define SILLAGE_FIELD_POROSITY 10
@@ -152,6 +107,52 @@
  0 free, 1 touches, 2 held by a wall or a fixed grain. (–; scalar)
  */
 #define SILLAGE_FIELD_GRAIN_CONTACT 42
+
+
+/*
+ Version of this interface; compare with sillage_abi_version().
+ */
+#define SILLAGE_ABI_VERSION 2
+
+/*
+ Fluid: the entrained fraction and the solid mobility are used, not only drag and source.
+ */
+#define SILLAGE_AFFINE_RESPONSE 0
+
+/*
+ Particles: the drag is taken implicitly, in the free motion and in the contacts.
+ */
+#define SILLAGE_IMPLICIT_DRAG 1
+
+/*
+ Particles: contact 2 tells grains that a wall or a fixed grain holds.
+ */
+#define SILLAGE_CONTACT_STATE 2
+
+/*
+ Both: save and restore bring back the same bits.
+ */
+#define SILLAGE_CHECKPOINT 3
+
+/*
+ The scene's part is not usable (exit code 2).
+ */
+#define SILLAGE_FAILURE_SCENE 2
+
+/*
+ The engine cannot do this, or broke (exit code 4).
+ */
+#define SILLAGE_FAILURE_ENGINE 4
+
+/*
+ A value is not finite, or an invariant is broken (exit code 7).
+ */
+#define SILLAGE_FAILURE_NOT_FINITE 7
+
+/*
+ An iteration did not converge (exit code 8).
+ */
+#define SILLAGE_FAILURE_NOT_CONVERGED 8
 
 /*
  Boundary: u = 0.

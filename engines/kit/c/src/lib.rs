@@ -1,12 +1,12 @@
 //! The protocol behind a C interface. The header `include/sillage_engine.h` is written from these
-//! files; the comments of public items are its comments.
+//! files, whose comments are its comments, and from the table of fields of the protocol.
 //!
 //! | file | what |
 //! | --- | --- |
 //! | `handle` | the engine's handle, its capabilities, failures and numbers, the last error |
 //! | `constants` | version of the interface, capabilities, kinds of failure |
 //! | `calls` | what both seats do the same way |
-//! | `fields`, `exchange` | the fields of a candidate: their numbers, and how an engine gets at them |
+//! | `exchange` | the fields of a candidate, and how an engine gets at them |
 //! | `scene`, `mesh` | what a fluid engine is configured with, and what it answers |
 //! | `particles`, `fluid` | the two seats: what crosses the border, and the engine behind it |
 //!
@@ -15,7 +15,6 @@
 mod calls;
 mod constants;
 mod exchange;
-mod fields;
 mod fluid;
 mod handle;
 mod mesh;
@@ -24,7 +23,6 @@ mod scene;
 
 pub use constants::*;
 pub use exchange::{Inputs, Outputs, sillage_input, sillage_output};
-pub use fields::*;
 pub use fluid::{FluidCalls, FluidReport, sillage_run_fluid};
 pub use handle::{
     Engine, Request, sillage_abi_version, sillage_diagnostic, sillage_engine_declare,
