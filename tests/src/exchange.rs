@@ -4,7 +4,7 @@
 use std::io::{Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
-use std::process::{Child, Command};
+use std::process::{Child, Command, ExitCode};
 use std::time::Duration;
 
 use protocol::Error;
@@ -353,8 +353,8 @@ fn start(role: &str, environment: &[(String, String)]) -> Other {
     Other(child.expect("started again"))
 }
 
-/// First thing in `main`: a child of this program is the partner, and never comes back from here.
-pub fn be_the_partner_if_asked() {
+/// First thing in `main`: a child of this program is the partner, and ends with this code.
+pub fn be_the_partner_if_asked() -> Option<ExitCode> {
     let code = match std::env::var(ROLE).as_deref() {
         Ok("socket") => i32::from(serve_socket().is_err()),
         Ok("fields") => process::exit_code("particles", |run| {
@@ -363,7 +363,7 @@ pub fn be_the_partner_if_asked() {
         Ok(_) => process::exit_code("particles", |run| {
             serve_particles(&mut Doubler, engine_link(run, Role::Particles)?)
         }),
-        Err(_) => return,
+        Err(_) => return None,
     };
-    std::process::exit(code);
+    Some(ExitCode::from(u8::try_from(code).unwrap_or(1)))
 }

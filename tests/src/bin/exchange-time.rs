@@ -18,8 +18,7 @@ const DURATION: f64 = 1.0;
 const COUNT_MIN: usize = 20;
 
 fn main() -> ExitCode {
-    be_the_partner_if_asked();
-    arguments::answer(HELP, measure)
+    be_the_partner_if_asked().unwrap_or_else(|| arguments::answer(HELP, measure))
 }
 
 fn measure(arguments: &Arguments) -> Result<Value, String> {
