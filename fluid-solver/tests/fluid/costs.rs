@@ -42,5 +42,4 @@ fn costs_are_those_of_all_candidates_since_the_last_commit() {
     solver.commit().unwrap();
     let (next, _) = costs("after a commit", &mut solver, 0, 0.005);
     assert_eq!(next[1], 0.0, "the same matrix");
-    assert!((0..4).all(|phase| next[phase] < halved[phase]));
 }
