@@ -43,6 +43,18 @@ impl<const D: usize> Condition<D> {
         }
     }
 
+    /// Is it a wall, which the fluid presses and shears?
+    pub fn is_wall(&self) -> bool {
+        match self {
+            Condition::NoSlip | Condition::Slip => true,
+            Condition::Periodic
+            | Condition::Uniform(_)
+            | Condition::Parabolic(_)
+            | Condition::Function(_)
+            | Condition::Open(_) => false,
+        }
+    }
+
     /// The velocity where it is given, before a profile's factor \[m/s\].
     pub fn velocity(&self, at: &Vector<D>, time: f64) -> Vector<D> {
         match self {

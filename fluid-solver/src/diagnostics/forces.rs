@@ -5,7 +5,6 @@ use space::vector::from_fn;
 use space::{Vector, dot};
 
 use super::solved::Solved;
-use crate::boundary::condition::Condition;
 use crate::boundary::frame::turn_back;
 use crate::mesh::facet::BoundaryFacet;
 use crate::numbers::{Numbers, named};
@@ -87,11 +86,7 @@ impl<const D: usize, const N: usize> Solved<'_, D, N> {
     pub fn wall_forces(&self, forces: &[Vector<D>]) -> Numbers {
         let mut numbers = Numbers::new();
         for (boundary, (name, force)) in self.mesh.boundary_names.iter().zip(forces).enumerate() {
-            let wall = matches!(
-                self.constraints.condition(boundary),
-                Condition::NoSlip | Condition::Slip
-            );
-            if wall
+            if self.constraints.condition(boundary).is_wall()
                 && self
                     .mesh
                     .facets
