@@ -1,11 +1,12 @@
 //! Where each coupling scheme is stable: maps of small scenes with closed forms.
 //!
-//! This crate owns its physics openly: `scenes` has the cases, `limits` their closed forms, `maps` the
+//! This crate owns its physics openly: `scenes` and `plugs` have the cases, `limits` closed forms, `maps` the
 //! axes. `whole` runs every cell, `verdict` judges it, `results` and `heat` tell.
 
 pub mod heat;
 pub mod limits;
 pub mod maps;
+mod plugs;
 pub mod results;
 pub mod scenes;
 pub mod schemes;

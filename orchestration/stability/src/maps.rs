@@ -1,6 +1,7 @@
 //! The maps: pairs of axes with the scene at each of their points.
 
 use crate::limits::{Law, Shape, Suspension};
+use crate::plugs::{Packing, plug};
 use crate::scenes::{self, Case};
 
 /// A pair of axes.
@@ -129,6 +130,8 @@ pub fn all() -> Vec<Map> {
         radius_contacts(),
         step_pair(),
         fraction_pair(),
+        grains_roughness(),
+        stiffness_roughness(),
     ]
 }
 
@@ -276,6 +279,46 @@ fn fraction_pair() -> Map {
         up: pairs(),
         coupled: true,
         case: |fraction, place| scenes::pair(pair(place, fraction), 1e-3),
+    }
+}
+
+fn packings() -> Axis {
+    Axis {
+        name: "packing",
+        values: (0..Packing::ALL.len()).map(|k| k as f64).collect(),
+        labels: Packing::ALL.map(|packing| packing.name().to_owned()).into(),
+        quick: (0..Packing::ALL.len()).collect(),
+    }
+}
+
+fn packing(place: f64) -> Packing {
+    Packing::ALL[place as usize]
+}
+
+fn grains_roughness() -> Map {
+    Map {
+        name: "grains-roughness",
+        title: "plug of fixed grains in a channel, Δt/τ_f = 1e3; limit: the uniform flow that comes in",
+        across: Axis::new(
+            "grains a cell",
+            &[16.0, 64.0, 160.0, 400.0, 630.0],
+            &[0, 2, 4],
+        ),
+        up: packings(),
+        coupled: true,
+        case: |per_cell, place| plug(packing(place), per_cell, 1e3),
+    }
+}
+
+fn stiffness_roughness() -> Map {
+    let values: Vec<f64> = (-2..=7).map(|k| 10_f64.powi(k)).collect();
+    Map {
+        name: "stiffness-roughness",
+        title: "plug of 64 fixed grains a cell in a channel; limit: the uniform flow that comes in",
+        across: Axis::new("Δt/τ_f", &values, &[0, 3, 9]),
+        up: packings(),
+        coupled: true,
+        case: |stiffness, place| plug(packing(place), 64.0, stiffness),
     }
 }
 

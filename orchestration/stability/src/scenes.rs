@@ -37,15 +37,15 @@ pub struct Limit {
     pub tolerance: f64,
 }
 
-struct Domain {
-    width: f64,
-    height: f64,
-    cells: [usize; 2],
+pub(crate) struct Domain {
+    pub width: f64,
+    pub height: f64,
+    pub cells: [usize; 2],
     /// left and right, bottom, top
-    sides: [&'static str; 3],
+    pub sides: [&'static str; 3],
 }
 
-fn fluid(mixture: &Suspension, domain: &Domain, initial: f64) -> String {
+pub(crate) fn fluid(mixture: &Suspension, domain: &Domain, initial: f64) -> String {
     let Domain {
         width,
         height,
@@ -61,7 +61,7 @@ fn fluid(mixture: &Suspension, domain: &Domain, initial: f64) -> String {
     )
 }
 
-fn run(step: f64, steps: usize, gravity: f64) -> String {
+pub(crate) fn run(step: f64, steps: usize, gravity: f64) -> String {
     format!(
         "[run]\nend_time = {:e}\ncoupling_step = {step:e}\n[gravity]\nacceleration = [0.0, {:e}]\n",
         step * steps as f64,
@@ -69,7 +69,7 @@ fn run(step: f64, steps: usize, gravity: f64) -> String {
     )
 }
 
-fn coupling(mixture: &Suspension, smoothing: Option<f64>) -> String {
+pub(crate) fn coupling(mixture: &Suspension, smoothing: Option<f64>) -> String {
     let law = match mixture.law {
         Law::Stokes => "stokes",
         Law::Dallavalle => "dallavalle",
@@ -93,7 +93,7 @@ fn lattice(mixture: &Suspension, upper: [f64; 2], spacing: f64, speed: f64) -> S
 }
 
 const PERIODIC: &str = "\"periodic\"";
-const SLIP: &str = "\"slip\"";
+pub(crate) const SLIP: &str = "\"slip\"";
 
 /// Depth of a slab in which spheres of this radius on a square lattice make this porosity.
 fn depth(radius: f64, spacing: f64, porosity: f64) -> f64 {
