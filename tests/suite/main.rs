@@ -4,6 +4,7 @@
 mod bed;
 mod cloud;
 mod column;
+mod held;
 mod lesser;
 mod one_grain;
 mod packing;

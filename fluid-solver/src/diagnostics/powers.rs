@@ -12,6 +12,7 @@
 //!   solid          ∫ v·s − v·(βv)_h − c v·∇p + (cv)_h·∇p + j⁰·∇p − κ|∇p|²
 //!   source         ∫ v·f
 //!   stabilisation  ∫ τρφ(a·∇v)·R + τP∇p·R + τ_c ∇·(P v) ∇·(u + j⁰ + (cv)_h − κ∇p)
+//!                  + Σ_i d_i u_i·(R/φ − ∇p)                     (held grains, (H1))
 //!   boundary       Σ x_i (Kx − r)_i over given unknowns − ∮ p Q_n + ∮ μφ v·(∇v)ᵀn (open)
 //! ```
 //!
@@ -187,8 +188,12 @@ fn add_powers<const D: usize, const N: usize>(
     let slope = gradient(&at.test_gradient, u);
     let drag = combine(&at.drag, u);
     let transport = combine(&at.transport, u);
-    let entrained = combine(&std::array::from_fn(|j| at.flux[j] - at.shape[j]), u);
+    let entrained = combine(
+        &std::array::from_fn(|j| at.flux[j] - at.shape[j] - at.tilt[j]),
+        u,
+    );
     let streamline = combine(&at.streamline, u);
+    let tilted = combine(&at.tilt, u);
     let w = at.weight;
 
     sum.kinetic_energy += 0.5 * w * at.inertia * dot(&v, &v);
@@ -220,7 +225,8 @@ fn add_powers<const D: usize, const N: usize>(
         outflow += dot(&at.flux_gradient[j], u);
     }
     let relaxed = at.tau * at.mixture * dot(slope_p, &residual);
-    sum.stabilisation += w * (dot(&streamline, &residual) + relaxed + at.tau_c * squeeze * outflow);
+    let tested = dot(&streamline, &residual) + relaxed - dot(&tilted, slope_p);
+    sum.stabilisation += w * (tested + at.tau_c * squeeze * outflow);
 }
 
 /// ∂_f v_d as \[d\]\[f\]

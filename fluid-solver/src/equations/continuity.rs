@@ -3,7 +3,7 @@
 //! ```text
 //!   ∇·(u + j⁰ + c v − κ∇p) = 0                                                   (C)
 //!
-//!   p,u_f     −∂_fN_i (N_j + e_j) + τP Σ_d ∂_dN_i S_j,df                          (C1)
+//!   p,u_f     −∂_fN_i (N_j + e_j + d_j) + τP Σ_d ∂_dN_i S_j,df                          (C1)
 //!   p,p       (τP² + κ) ∇N_i·∇N_j                                                 (C2)
 //!   right     ∇N_i·j⁰ + τP ∇N_i·F − ∮ N_i Q_n                                     (C3)
 //! ```

@@ -5,6 +5,7 @@ use space::vector::from_fn;
 use space::{Dim, Dimension, Simplex, Vector, hypot};
 
 use super::coefficients::{Carrier, Coefficients};
+use super::held::Weights;
 use super::stabilization::Scales;
 use crate::mesh::simplices::Mesh;
 
@@ -23,6 +24,7 @@ pub struct Element<'a, const D: usize, const N: usize> {
     pub(super) porosity: [f64; N],
     pub(super) entrained: [f64; N],
     pub(super) mobility: [f64; N],
+    pub(super) drag: [f64; N],
     pub(super) source: Components<D, N>,
     pub(super) flux: Components<D, N>,
     /// β_j/φ_j
@@ -34,6 +36,7 @@ pub struct Element<'a, const D: usize, const N: usize> {
     pub(super) mobility_gradient: Vector<D>,
     pub(super) flux_divergence: f64,
     carriers: [(Components<D, N>, [f64; N]); CARRIERS],
+    pub(super) weights: Weights<N>,
     pub(super) tau: f64,
     pub(super) tau_c: f64,
 }
@@ -68,6 +71,7 @@ where
             porosity,
             entrained,
             mobility,
+            drag,
             source: vector(&terms.solid.drag_source),
             flux,
             drag_ratio: std::array::from_fn(|k| drag[k] / porosity[k]),
@@ -77,29 +81,40 @@ where
             mobility_gradient: simplex.gradient_of(&mobility),
             flux_divergence: divergence(simplex, &flux),
             carriers,
+            weights: Weights::none(&porosity),
             tau: 0.0,
             tau_c: 0.0,
         };
-        element.stabilise(mean(&drag));
+        element.stabilise();
         element
     }
 
-    /// τ and τ_c from element means.
-    fn stabilise(&mut self, drag: f64) {
+    /// τ and τ_c from element means; the weights of held grains.
+    fn stabilise(&mut self) {
         let terms = self.terms;
         let centre = [1.0 / N as f64; N];
         let porosity = mean(&self.porosity);
-        let scales = Scales {
+        let least = self
+            .drag
+            .iter()
+            .fold(f64::INFINITY, |least, &b| least.min(b));
+        let mut scales = Scales {
             rate: terms.rate,
             inertia: terms.density * porosity,
             viscosity: terms.dynamic_viscosity * porosity,
-            drag,
+            drag: mean(&self.drag),
+            least_drag: least,
+            held: 0.0,
             speed: hypot(&self.carried(&centre, |carrier| carrier.convects)),
             mixture: porosity + mean(&self.entrained),
             size: self.simplex.size(),
         };
+        scales.held = self.held(&scales);
         self.tau = scales.momentum();
         self.tau_c = terms.grad_div * scales.continuity();
+        if scales.held > 0.0 {
+            self.weigh(&scales);
+        }
     }
 
     /// Σ weight_k v^k where the shape functions are `shape`.
@@ -163,7 +178,7 @@ where
     sum
 }
 
-fn mean<const N: usize>(value: &[f64; N]) -> f64 {
+pub(super) fn mean<const N: usize>(value: &[f64; N]) -> f64 {
     let mut sum = value[0];
     for k in 1..N {
         sum += value[k];

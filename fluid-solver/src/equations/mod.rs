@@ -3,6 +3,7 @@
 //! * [`coefficients`]: what the equations are told
 //! * [`element`], [`point`]: the values of a simplex, and what the terms share at a quadrature point
 //! * [`momentum`], [`continuity`], [`stabilization`]: the terms, entry by entry
+//! * `held`: what is different where held grains drag unevenly
 //! * [`assembly`]: the system made of them
 //! * [`creeping`]: when convection may be left out
 //! * [`manufactured`]: exact solutions for tests and studies
@@ -12,6 +13,7 @@ pub mod coefficients;
 pub mod continuity;
 pub mod creeping;
 pub mod element;
+mod held;
 pub mod manufactured;
 pub mod momentum;
 pub mod point;

@@ -9,7 +9,7 @@
 //!   right     (X_i + st_i) F_d − τ_c (…)_id ∇·j⁰                                  (M3)
 //! ```
 //!
-//! st_i = τρφ a·∇X_i (SUPG); τ_c tests div(P w) with the residual of continuity (grad-div). The
+//! st_i = τρφ a·∇X_i (SUPG) + d_i/φ (held grains, `held`); τ_c tests div(P w) with the residual of continuity (grad-div). The
 //! literal form of the paper has μφ∇X_i·∇X_j + μ∇φ·∇(X_i X_j) instead of the symmetric term: its
 //! −μ v∇²φ is integrated by parts.
 

@@ -14,7 +14,8 @@
 //!
 //! S_j,df is component d of the strong momentum operator applied to unknown f of node j; the
 //! residual is R = S u + P∇p − F with P = φ + c. Only nodal products keep action equal to
-//! reaction, because the coupler samples exactly v_α = u_α/φ_α. The second line of (P2) belongs to
+//! reaction, because the coupler samples exactly v_α = u_α/φ_α; where held grains drag unevenly their
+//! integrals are kept and their places within the simplex change (`held`). The second line of (P2) belongs to
 //! the symmetric viscous form alone.
 
 use space::simplex::{combine, interpolate};
@@ -38,9 +39,11 @@ pub struct Point<const D: usize, const N: usize> {
     pub test_gradient: [Vector<D>; N],
     /// P∇X_i + X_i∇P, the divergence of P times the test function by component
     pub test_divergence: [Vector<D>; N],
-    /// τρφ a·∇X_i
+    /// τρφ a·∇X_i + d_i/φ
     pub streamline: [f64; N],
-    /// N_j + e_j: what unknown j contributes to the mixture flux u + c v
+    /// d_j
+    pub tilt: [f64; N],
+    /// N_j + e_j + d_j: what unknown j contributes to the mixture flux u + c v
     pub flux: [f64; N],
     /// ∇(N_j + e_j)
     pub flux_gradient: [Vector<D>; N],
@@ -113,7 +116,8 @@ where
     fn new(element: &Element<'_, D, N>, shape: [f64; N], weight: f64) -> Point<D, N> {
         let terms = element.terms;
         let porosity = interpolate(&shape, &element.porosity);
-        let entrained = interpolate(&shape, &element.entrained);
+        let spread = element.weights.spread(&shape, porosity);
+        let entrained = interpolate(&spread, &element.entrained);
         let inverse = 1.0 / porosity;
         let inertia = terms.density * porosity;
         let symmetric = terms.viscous_form == ViscousForm::Symmetric;
@@ -127,6 +131,7 @@ where
             test_gradient: [Vector::zeros(); N],
             test_divergence: [Vector::zeros(); N],
             streamline: [0.0; N],
+            tilt: element.weights.tilt,
             flux: [0.0; N],
             flux_gradient: [Vector::zeros(); N],
             drag: [0.0; N],
@@ -147,7 +152,7 @@ where
             entrained,
             mobility: interpolate(&shape, &element.mobility),
             mobility_gradient: element.mobility_gradient,
-            source: from_fn(|d| interpolate(&shape, &element.source[d])),
+            source: from_fn(|d| interpolate(&spread, &element.source[d])),
             body: body_force(element, &shape),
             weight_force: terms.gravity.map(|g| inertia * g),
             carried: history.map(|v| inertia * v),
@@ -164,7 +169,7 @@ where
             point.force[d] =
                 point.weight_force[d] + point.carried[d] + point.source[d] + point.body[d]; // (P3)
         }
-        point.fill_nodes(element, inverse, &a);
+        point.fill_nodes(element, inverse, &spread, &a);
         point
     }
 
@@ -179,7 +184,13 @@ where
 
     /// What belongs to a node: test functions, (P1), (P2).
     #[inline(always)]
-    fn fill_nodes(&mut self, element: &Element<'_, D, N>, inverse: f64, a: &Vector<D>) {
+    fn fill_nodes(
+        &mut self,
+        element: &Element<'_, D, N>,
+        inverse: f64,
+        spread: &[f64; N],
+        a: &Vector<D>,
+    ) {
         let (terms, viscosity) = (element.terms, element.terms.dynamic_viscosity);
         let (slope, slope_p) = (element.porosity_gradient, element.mixture_gradient);
         let steep = dot(&slope, &slope);
@@ -192,10 +203,10 @@ where
                     self.mixture * self.test_gradient[j][d] + test * slope_p[d];
                 self.flux_gradient[j][d] = g[d] * share;
             }
-            self.flux[j] = shape * share;
-            self.drag[j] = shape * element.drag_ratio[j]; // (P1)
+            self.flux[j] = shape * share + self.tilt[j];
+            self.drag[j] = spread[j] * element.drag_ratio[j]; // (P1)
             let along = dot(a, &self.test_gradient[j]);
-            self.streamline[j] = self.tau * self.inertia * along;
+            self.streamline[j] = self.tau * self.inertia * along + self.tilt[j] * inverse;
             self.transport[j] = self.inertia * (terms.rate * test + along) + self.drag[j];
             let turn = dot(&slope, &g) * inverse;
             let bend = viscosity * (turn - shape * steep * inverse * inverse);

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!   τ   = [(ρφα/Δt)² + (2ρφ|a|/h)² + (12μφ/h²)² + β²]^(−1/2)          (S1)
-//!   τ_c = θ [μφ + ρφ|a|h/2 + βh²] / P²,   P = φ + c                   (S2)
+//!   τ_c = θ [μφ + ρφ|a|h/2 + β_c h²] / P²,   P = φ + c                (S2)
+//!   b0  = ρφ|a|/h + 3μφ/h²                                            (S3)
 //! ```
 //!
 //! | symbol | meaning | unit |
@@ -11,6 +12,8 @@
 //! | a      | convecting velocity, interstitial | m/s |
 //! | h      | diameter of the ball (disk) of the size of the simplex | m |
 //! | θ      | `grad_div` factor | – |
+//! | β_c    | β; where held grains drag unevenly min(β, β_min + 12μφ/h²), blended by ϑ of (H3) | kg/(m³ s) |
+//! | b0     | what holds a node beside the drag; without ρφα/Δt, or short steps add up | kg/(m³ s) |
 //!
 //! After Codina's algebraic subscales (2000) with the resistance of Badia and Codina (2009): the
 //! subscale velocity −τR carries mass through P∇q, the subscale pressure acts through div(P w).
@@ -27,6 +30,10 @@ pub struct Scales {
     pub viscosity: f64,
     /// β \[kg/(m³ s)\].
     pub drag: f64,
+    /// Least β of the corners \[kg/(m³ s)\].
+    pub least_drag: f64,
+    /// ϑ of (H3).
+    pub held: f64,
     /// |a| \[m/s\].
     pub speed: f64,
     /// P = φ + c.
@@ -45,10 +52,18 @@ impl Scales {
         1.0 / (squares + self.drag * self.drag).sqrt() // (S1)
     }
 
+    /// b0: what holds a node beside the drag \[kg/(m³ s)\].
+    pub fn other_than_drag(&self) -> f64 {
+        let convective = self.inertia * self.speed / self.size;
+        convective + 3.0 * self.viscosity / (self.size * self.size) // (S3)
+    }
+
     /// τ_c of the continuity residual \[Pa s\], for a unit grad-div factor.
     pub fn continuity(&self) -> f64 {
         let convective = 0.5 * self.inertia * self.speed * self.size;
-        let resistive = self.drag * self.size * self.size;
+        let bound = self.least_drag + 12.0 * self.viscosity / (self.size * self.size);
+        let excess = (self.drag - bound).max(0.0);
+        let resistive = (self.drag - self.held * excess) * self.size * self.size;
         (self.viscosity + convective + resistive) / (self.mixture * self.mixture) // (S2)
     }
 }

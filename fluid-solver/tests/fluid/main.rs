@@ -4,6 +4,7 @@ mod balance;
 mod benchmarks;
 mod costs;
 mod creeping;
+mod held;
 mod manufactured;
 mod porous;
 mod refusals;

@@ -60,7 +60,7 @@ pub fn deposit(mesh: &Mesh<2, 3>, points: &[Vector<2>], value: impl Fn(usize) ->
 }
 
 /// The triangle that holds a point, and its shape functions there.
-fn locate(mesh: &Mesh<2, 3>, x: Vector<2>) -> Option<(usize, [f64; 3])> {
+pub fn locate(mesh: &Mesh<2, 3>, x: Vector<2>) -> Option<(usize, [f64; 3])> {
     mesh.corners.iter().enumerate().find_map(|(t, corners)| {
         let low = [0, 1].map(|d| corners.iter().map(|c| c[d]).fold(f64::INFINITY, f64::min));
         let high = [0, 1].map(|d| {
