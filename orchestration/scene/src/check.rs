@@ -1,6 +1,7 @@
 //! Ranges: every number of a scene is looked at once, here; inside it is trusted.
 
-use protocol::field::Field;
+use protocol::field::{Field, Support};
+use protocol::monitor::columns;
 use protocol::scene::{AdaptiveStep, Geometry, Nonlinear, Scheme};
 
 use crate::document::Document;
@@ -338,7 +339,13 @@ impl<'a> Checker<'a> {
         if let Some(every) = scene.output.every {
             self.positive("output.every", every, " s");
         }
-        let known: Vec<&str> = Field::ALL.iter().map(|field| field.name()).collect();
+        let (nodes, grains) = (scene.fluid.is_some(), !scene.grains.is_empty());
+        let written = |field: &&Field| match field.support() {
+            Support::Grain => grains,
+            _ => nodes,
+        };
+        let known = columns::WRITTEN.iter().filter(written);
+        let known: Vec<&str> = known.map(|field| field.name()).collect();
         for (index, name) in scene.output.fields.iter().flatten().enumerate() {
             if !known.contains(&name.as_str()) {
                 let meant = nearest(name, &known)
@@ -346,7 +353,7 @@ impl<'a> Checker<'a> {
                 let list = known.join(", ");
                 self.refuse(
                     &format!("output.fields[{index}]"),
-                    format!("unknown field{meant} (fields: {list})"),
+                    format!("no field of this name is written{meant} (written: {list})"),
                 );
             }
         }

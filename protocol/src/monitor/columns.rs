@@ -1,6 +1,20 @@
-//! Columns of `steps.csv` that its writer, its reader and an engine know by name.
+//! What is put out: fields of a state, and columns of `steps.csv` that its writer, its reader and an engine
+//! know by name.
 //!
-//! The others are only put out. Columns of cost, and no others, start with [`COST`].
+//! The other columns are only put out. Columns of cost, and no others, start with [`COST`].
+
+use crate::language::field::Field;
+
+/// Fields of a state in the files for ParaView, where the scene has nodes or grains.
+pub const WRITTEN: [Field; 7] = [
+    Field::InterstitialVelocity,
+    Field::Pressure,
+    Field::Porosity,
+    Field::GrainPosition,
+    Field::GrainVelocity,
+    Field::GrainContact,
+    Field::GrainRadius,
+];
 
 /// Number of the step.
 pub const STEP: &str = "step";

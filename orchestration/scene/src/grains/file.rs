@@ -1,5 +1,5 @@
-//! Grains from a CSV file: x, y, radius[, density][, vx, vy][, fixed]; units in brackets are
-//! allowed in the header, as in `x [m]`.
+//! Grains from a CSV file: x, y, radius[, density][, vx, vy][, fixed], in SI units or in those that
+//! the header gives in brackets, as in `x [mm]`; between commas, or semicolons.
 
 use std::path::Path;
 
@@ -13,13 +13,16 @@ pub fn read(path: &Path, population: &Grains) -> Result<Vec<Grain>, String> {
     let at = path.display();
     let text =
         std::fs::read_to_string(path).map_err(|error| format!("{at} cannot be read: {error}"))?;
+    // Spreadsheets begin a file with a mark of its encoding.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let mut lines = text
         .lines()
         .enumerate()
         .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
     let (_, header) = lines.next().ok_or_else(|| format!("{at} is empty"))?;
+    let separator = separator(header);
     let header = columns(header).map_err(|why| format!("{at}: {why}"))?;
-    if population.density.is_none() && !header.contains(&"density") {
+    if population.density.is_none() && !header.iter().any(|column| column.name == "density") {
         return Err(format!(
             "{at} has no column density: add it, or write density beside file"
         ));
@@ -27,7 +30,8 @@ pub fn read(path: &Path, population: &Grains) -> Result<Vec<Grain>, String> {
     let mut grains = Vec::new();
     for (number, line) in lines {
         grains.push(
-            row(line, &header, population).map_err(|why| format!("{at}:{}: {why}", number + 1))?,
+            row(line, separator, &header, population)
+                .map_err(|why| format!("{at}:{}: {why}", number + 1))?,
         );
     }
     if grains.is_empty() {
@@ -36,30 +40,97 @@ pub fn read(path: &Path, population: &Grains) -> Result<Vec<Grain>, String> {
     Ok(grains)
 }
 
-fn columns(header: &str) -> Result<Vec<&'static str>, String> {
-    let mut found = Vec::new();
-    for word in header.split(',') {
-        let word = word.split('[').next().unwrap_or_default().trim();
-        let known = COLUMNS
-            .into_iter()
-            .find(|name| *name == word)
-            .ok_or_else(|| format!("unknown column {word} (columns: {})", COLUMNS.join(", ")))?;
-        if found.contains(&known) {
-            return Err(format!("column {known} appears twice"));
-        }
-        found.push(known);
+/// A column of the file: what it is, and what a number there is worth in SI units.
+struct Column {
+    name: &'static str,
+    factor: f64,
+}
+
+/// Units that a length, a density and a velocity may have, with what they are worth in SI units.
+const LENGTHS: [(&str, f64); 6] = [
+    ("m", 1.0),
+    ("cm", 1e-2),
+    ("mm", 1e-3),
+    ("um", 1e-6),
+    ("µm", 1e-6),
+    ("μm", 1e-6),
+];
+const DENSITIES: [(&str, f64); 4] = [
+    ("kg/m3", 1.0),
+    ("kg/m³", 1.0),
+    ("g/cm3", 1e3),
+    ("g/cm³", 1e3),
+];
+const VELOCITIES: [(&str, f64); 3] = [("m/s", 1.0), ("cm/s", 1e-2), ("mm/s", 1e-3)];
+
+/// The units of a column.
+fn units(name: &str) -> &'static [(&'static str, f64)] {
+    match name {
+        "x" | "y" | "radius" => &LENGTHS,
+        "density" => &DENSITIES,
+        "vx" | "vy" => &VELOCITIES,
+        _ => &[],
     }
-    match ["x", "y", "radius"]
-        .iter()
-        .find(|name| !found.contains(name))
-    {
+}
+
+/// What stands between values: commas, or semicolons where the header has them.
+fn separator(header: &str) -> char {
+    if header.contains(';') { ';' } else { ',' }
+}
+
+fn column(word: &str) -> Result<Column, String> {
+    let (name, unit) = match word.split_once('[') {
+        Some((name, rest)) => {
+            let unit = rest.trim_end().strip_suffix(']');
+            let unit = unit.ok_or_else(|| format!("`{}` has no closing ]", word.trim()))?;
+            (name.trim(), Some(unit.trim()))
+        }
+        None => (word.trim(), None),
+    };
+    let known = COLUMNS.into_iter().find(|known| *known == name);
+    let name =
+        known.ok_or_else(|| format!("unknown column {name} (columns: {})", COLUMNS.join(", ")))?;
+    let Some(unit) = unit.filter(|unit| !matches!(*unit, "" | "-" | "–" | "1")) else {
+        return Ok(Column { name, factor: 1.0 });
+    };
+    let known = units(name).iter().find(|(known, _)| *known == unit);
+    let Some((_, factor)) = known else {
+        let allowed: Vec<&str> = units(name).iter().map(|(unit, _)| *unit).collect();
+        let allowed = match allowed.is_empty() {
+            true => "it has none".to_owned(),
+            false => format!("allowed: {}", allowed.join(", ")),
+        };
+        return Err(format!("unit [{unit}] of {name} is not known ({allowed})"));
+    };
+    Ok(Column {
+        name,
+        factor: *factor,
+    })
+}
+
+fn columns(header: &str) -> Result<Vec<Column>, String> {
+    let mut found: Vec<Column> = Vec::new();
+    for word in header.split(separator(header)) {
+        let new = column(word)?;
+        if found.iter().any(|old| old.name == new.name) {
+            return Err(format!("column {} appears twice", new.name));
+        }
+        found.push(new);
+    }
+    let missing = |name: &&&str| !found.iter().any(|old| old.name == **name);
+    match ["x", "y", "radius"].iter().find(missing) {
         Some(name) => Err(format!("column {name} is missing")),
         None => Ok(found),
     }
 }
 
-fn row(line: &str, header: &[&str], population: &Grains) -> Result<Grain, String> {
-    let words: Vec<&str> = line.split(',').map(str::trim).collect();
+fn row(
+    line: &str,
+    separator: char,
+    header: &[Column],
+    population: &Grains,
+) -> Result<Grain, String> {
+    let words: Vec<&str> = line.split(separator).map(str::trim).collect();
     if words.len() != header.len() {
         return Err(format!(
             "{} values in {} columns",
@@ -74,13 +145,14 @@ fn row(line: &str, header: &[&str], population: &Grains) -> Result<Grain, String
         velocity: population.velocity,
         fixed: population.fixed,
     };
-    for (name, word) in header.iter().zip(words) {
+    for (Column { name, factor }, word) in header.iter().zip(words) {
         let value: f64 = word
             .parse()
             .map_err(|_| format!("{name} = {word} is not a number"))?;
         if !value.is_finite() {
             return Err(format!("{name} = {word} is not finite"));
         }
+        let value = value * factor;
         match *name {
             "x" => grain.position[0] = value,
             "y" => grain.position[1] = value,

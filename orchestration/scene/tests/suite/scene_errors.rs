@@ -390,11 +390,58 @@ fn a_grain_file_is_refused_with_its_line() {
         ("x,y,diameter\n", ["g.csv", "unknown column diameter"]),
         ("x,y\n", ["g.csv", "column radius is missing"]),
         ("x,y,radius\n", ["g.csv", "no grain"]),
+        (
+            "x [ft],y,radius\n",
+            ["unit [ft] of x is not known", "allowed: m, cm, mm"],
+        ),
+        (
+            "x,y,radius,fixed [m]\n",
+            ["unit [m] of fixed is not known", "it has none"],
+        ),
+        ("x [m,y,radius\n", ["g.csv", "has no closing ]"]),
     ] {
         std::fs::write(folder.path().join("g.csv"), csv).expect("written");
         let message = scene::load(&scene_path, &[], 1).expect_err(csv).to_string();
         println!("{message}");
         assert_names(&message, &parts);
+    }
+}
+
+/// Units in the header count; marks of an encoding, ends of lines, semicolons and empty lines of
+/// spreadsheets do not.
+#[test]
+fn a_grain_file_is_read_in_its_units_whatever_wrote_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene_path = folder.path().join("case.toml");
+    let text = coupled().replace(
+        "density = 2400.0\nradius = 1e-4\ncloud = { centre = [5e-3, 1e-2], radius = 2e-3, solid_fraction = 0.2, seed = 1 }",
+        "file = \"g.csv\"",
+    );
+    assert!(text.contains("g.csv"), "{text}");
+    std::fs::write(&scene_path, text).expect("written");
+    for csv in [
+        "x,y,radius,density,vx\n5e-3,0.01,1e-4,2500,0.25\n",
+        "x [mm], y [cm], radius [um], density [g/cm3], vx [mm/s]\n5,1,100,2.5,250\n",
+        "\u{feff}x [mm];y [m];radius [µm];density [kg/m³];vx [cm/s]\r\n\r\n5;0.01;100;2500;25\r\n\r\n",
+    ] {
+        std::fs::write(folder.path().join("g.csv"), csv).expect("written");
+        let scene =
+            scene::load(&scene_path, &[], 1).unwrap_or_else(|error| panic!("{csv}: {error}"));
+        let row = scene.grains.to_csv();
+        println!("{}", row.lines().last().unwrap_or_default());
+        let numbers: Vec<f64> = row
+            .lines()
+            .last()
+            .expect("a grain")
+            .split(',')
+            .map(|word| word.parse().expect("a number"))
+            .collect();
+        for (found, right) in numbers.iter().zip([5e-3, 0.01, 1e-4, 2500.0, 0.25]) {
+            assert!(
+                (found / right - 1.0).abs() < 1e-14,
+                "{csv}: {found} for {right}"
+            );
+        }
     }
 }
 
@@ -437,6 +484,28 @@ fn an_unknown_output_field_is_refused() {
     assert_names(
         &refusal(&text, &[]),
         &["case.toml:15", "presure", "did you mean pressure?"],
+    );
+    // known to the protocol, and in no file
+    for name in [
+        "grain_force",
+        "grain_spin",
+        "drag",
+        "nodal_mass",
+        "grain_velocity",
+    ] {
+        let text = format!("{CLEAR_FLUID}[output]\nfields = [\"{name}\"]\n");
+        assert_names(
+            &refusal(&text, &[]),
+            &[
+                name,
+                "no field of this name is written",
+                "interstitial_velocity, pressure",
+            ],
+        );
+    }
+    accepted(
+        &coupled(),
+        &["output.fields=[\"grain_velocity\", \"porosity\"]"],
     );
 }
 
