@@ -19,6 +19,7 @@ use space::{Dim, Dimension, Vector, hypot};
 
 use crate::coupled::outcome::Outcome;
 use crate::immersion::Immersion;
+use crate::scale::{present, relative};
 use crate::state::Grains;
 
 /// Balances of a step.
@@ -26,11 +27,12 @@ use crate::state::Grains;
 pub struct Budget {
     /// |(B1)| over the grains' volume.
     pub volume_defect: f64,
-    /// |(B2)| over the grains' weight in the fluid: what the third law lacks, carried force included.
+    /// |(B2)| over the grains' weight in the fluid, of grains that weigh nothing there over the forces on
+    /// them: what the third law lacks, carried force included.
     pub third_law_defect: f64,
     /// |Σ γ r| over the grains' weight in the fluid: momentum handed to the next step.
     pub momentum_defect: f64,
-    /// |(B3), third line| over the power of gravity.
+    /// |(B3), third line| over the power of gravity, of drag, or what there is.
     pub energy_defect: f64,
     /// P_nod − P_sol over the power of gravity.
     pub transfer_loss: f64,
@@ -63,15 +65,18 @@ where
     };
     let powers = step.powers();
     let nodal = depth * step.nodal_power();
-    let scale = powers.gravity.abs().max(powers.drag).max(f64::MIN_POSITIVE);
-    let weight = step.weight().max(f64::MIN_POSITIVE);
+    let scale = present(
+        powers.gravity.abs().max(powers.drag),
+        powers.interaction.abs() + nodal.abs(),
+    );
+    let weight = present(step.weight(), step.force_sizes());
     let third_law = step.force_on_fluid(mass) * depth + step.force_on_grains();
     Budget {
         volume_defect: volume_defect(depth, mass, &outcome.response.porosity, &grains.volume),
-        third_law_defect: hypot(&third_law) / weight,
+        third_law_defect: relative(hypot(&third_law), weight),
         momentum_defect: outcome.pass.defect.momentum,
-        energy_defect: (powers.interaction + nodal + powers.drag).abs() / scale,
-        transfer_loss: (nodal - depth * solid_power) / scale,
+        energy_defect: relative((powers.interaction + nodal + powers.drag).abs(), scale),
+        transfer_loss: relative(nodal - depth * solid_power, scale),
         gravity_power: powers.gravity,
         drag_dissipation: powers.drag,
         contact_dissipation: -powers.contact,
@@ -142,6 +147,18 @@ where
         bodies
             .map(|(mass, volume)| (mass - density * volume).abs() * gravity)
             .sum()
+    }
+
+    /// Σ |q − γ v̄| + Σ m (|g| + |v̄|/Δt): every force that there is.
+    fn force_sizes(&self) -> f64 {
+        let (outcome, pass) = (self.outcome, &self.outcome.pass);
+        let gravity = hypot(&self.immersion.gravity);
+        let of = |i: usize| {
+            let velocity = &pass.grains.mean_velocity[i];
+            let on_grain = pass.force[i] - velocity * outcome.model.drag[i];
+            hypot(&on_grain) + self.grains.mass[i] * (gravity + hypot(velocity) / self.dt)
+        };
+        (0..self.grains.count()).map(of).sum()
     }
 
     fn powers(&self) -> Powers {

@@ -26,6 +26,7 @@ pub mod one_way;
 pub mod record;
 pub mod report;
 pub mod run;
+pub mod scale;
 pub mod seats;
 pub mod setup;
 pub mod simulation;

@@ -14,6 +14,7 @@
 use space::{Dim, Dimension, Vector, hypot};
 
 use crate::coupled::response::Model;
+use crate::scale::{present, relative};
 use crate::state::Grains;
 use crate::transfer::deposit::{Placement, Transfer};
 use crate::transfer::quantity::nodal_norm;
@@ -32,7 +33,8 @@ pub struct Defect {
     pub relative: f64,
     /// ‖T(f)‖, never 0.
     pub scale: f64,
-    /// |Σ γ r| over the grains' total weight in the fluid.
+    /// |Σ γ r| over the grains' total weight in the fluid, of grains that weigh nothing there over the sum of
+    /// their f.
     pub momentum: f64,
     /// |e_i|/f_i of each grain.
     pub of_grains: Vec<f64>,
@@ -106,11 +108,13 @@ where
     let scale = nodal_norm(mass, &scale).max(f64::MIN_POSITIVE);
     let weight: Vector<D> = forces.iter().map(|own| own.weight).sum();
     let lost: Vector<D> = (0..forces.len()).map(|i| residual[i] * model.drag[i]).sum();
-    let relative = |own: &GrainForces<D>| hypot(&own.error) / own.scale.max(f64::MIN_POSITIVE);
+    let of_grain = |own: &GrainForces<D>| relative(hypot(&own.error), own.scale);
+    let of_grains = forces.iter().map(of_grain).collect();
+    let forces = forces.iter().map(|own| own.scale).sum();
     Defect {
         relative: nodal_norm(mass, &error) / scale, // (F3)
         scale,
-        momentum: hypot(&lost) / hypot(&weight).max(f64::MIN_POSITIVE),
-        of_grains: forces.iter().map(relative).collect(),
+        momentum: relative(hypot(&lost), present(hypot(&weight), forces)),
+        of_grains,
     }
 }

@@ -103,6 +103,14 @@ where
     assert!(budget.energy_defect < 1e-12);
     assert!(with_residual.energy_defect > 1e-3);
     powers(&immersion, &grains, &exact, &budget);
+    // nothing weighs: relative to the forces that there are
+    let weightless = Immersion {
+        gravity: Vector::zeros(),
+        ..immersion
+    };
+    let exact = outcome(&weightless, &grains, 0.0);
+    let budget = of_coupled_step(&weightless, &grains, &exact, 0.0, DT);
+    assert!(budget.third_law_defect < 1e-12 && budget.energy_defect < 1e-12);
 }
 
 /// Powers of the grains one by one.
