@@ -226,7 +226,7 @@ fn a_killed_engine_ends_the_wait_within_a_second_and_takes_its_files_along() {
         error.to_string(),
         "the fluid is gone at step 2, while waiting for Done"
     );
-    assert!(latency < Duration::from_millis(100), "{latency:?}");
+    assert!(latency < Duration::from_secs(1), "{latency:?}");
     let (code, text) = end(other, Duration::from_secs(1));
     assert_eq!(code, Some(5));
     assert!(text.contains("the fluid is gone"), "{text}");
