@@ -71,22 +71,25 @@ pub struct State {
     pub grain_speed: Vec<f32>,
 }
 
+/// Part of a grain's speed to which a fluid that rests may be known.
+const ROUND_OFF: f64 = 1e-9;
+
 impl State {
-    /// Largest speed that colours show \[m/s\]: the fluid's, or the grains' without a fluid.
+    /// Largest speed that colours show \[m/s\]: the fluid's, or the grains' without a fluid. A fluid that
+    /// moves by no more than the round-off of its grains' speed rests.
     pub fn speed_max(&self) -> f64 {
         let fluid = self
             .fluid_velocity
             .iter()
             .map(|v| f64::from(v[0]).hypot(f64::from(v[1])));
-        let largest = fluid.fold(0.0, f64::max);
-        if self.fluid_velocity.is_empty() {
-            return self
-                .grain_speed
-                .iter()
-                .map(|&speed| f64::from(speed))
-                .fold(0.0, f64::max);
+        let fluid = fluid.fold(0.0, f64::max);
+        let grains = self.grain_speed.iter().map(|&speed| f64::from(speed));
+        let grains = grains.fold(0.0, f64::max);
+        match self.fluid_velocity.is_empty() {
+            true => grains,
+            false if fluid < ROUND_OFF * grains => 0.0,
+            false => fluid,
         }
-        largest
     }
 
     /// Smallest and largest coordinates of the centres \[m\].
