@@ -53,7 +53,9 @@ pub unsafe extern "C" fn sillage_input(inputs: *const Inputs, field: u32) -> *co
 }
 
 /// Room for a field of the candidate, one of SILLAGE_FIELD_...: every number is NaN before, and refused
-/// if it stays so. NULL: this field is not of a candidate.
+/// if it stays so. NULL: this field is not of a candidate. Particles fill SILLAGE_FIELD_GRAIN_POSITION,
+/// _VELOCITY, _MEAN_VELOCITY and _CONTACT, a fluid SILLAGE_FIELD_INTERSTITIAL_VELOCITY,
+/// _PRESSURE_GRADIENT and _PRESSURE.
 ///
 /// # Safety
 ///

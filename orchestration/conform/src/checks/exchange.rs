@@ -19,7 +19,7 @@ pub(super) const CHECKS: &[Check] = &[
     ),
     Check::new(
         "hello",
-        "it says hello: its seat, protocol 1, a name, a version, its process",
+        "it says hello: its seat, protocol 2, a name, a version, its process",
         NOTHING,
         hello,
     ),
