@@ -13,6 +13,7 @@ use time::OffsetDateTime;
 
 use crate::folder::document::{self, Ending};
 use crate::folder::draw::Pictures;
+use crate::folder::lock::Lock;
 use crate::folder::recorded;
 use crate::folder::run_folder::RunFolder;
 use crate::folder::writer::Writer;
@@ -73,6 +74,8 @@ impl Runner {
         let begun = Instant::now();
         // A folder that cannot be used is a wrong --out, found before anything is computed.
         let unusable = |error: Error| Error::Usage(error.to_string());
+        require_folder(path)?;
+        let _lock = Lock::take(path).map_err(unusable)?;
         clear_previous(path).map_err(unusable)?;
         let folder = RunFolder::create(path, scene).map_err(unusable)?;
         document::write(path, &document::document(scene, &folder, None))?;
@@ -217,14 +220,18 @@ pub fn fresh_folder(name: &str) -> Result<PathBuf, Error> {
     unreachable!("the loop ends with a folder or an error")
 }
 
-/// Remove what an earlier run left in this folder, and nothing else.
-fn clear_previous(path: &Path) -> Result<(), Error> {
+fn require_folder(path: &Path) -> Result<(), Error> {
     if path.exists() && !path.is_dir() {
         return Err(Error::Usage(format!(
             "--out {}: is not a folder",
             path.display()
         )));
     }
+    Ok(())
+}
+
+/// Remove what an earlier run left in this folder, and nothing else.
+fn clear_previous(path: &Path) -> Result<(), Error> {
     if !path.join("run.json").exists() {
         return Ok(());
     }

@@ -57,6 +57,42 @@ fn an_interruption_stops_after_the_step_and_keeps_what_was_computed() {
 }
 
 #[test]
+fn a_folder_that_a_run_writes_to_is_refused_to_another_until_it_is_over() {
+    let scene = small_cloud(100.0);
+    let mut run = Run::start(&scene);
+    run.wait_for_steps(2);
+    let folder = run.folder.path().to_path_buf();
+    let second = || {
+        Command::new(programs().join("sillage"))
+            .arg("run")
+            .args(&scene)
+            .args(["--set", "run.end_time=0.011", "--out"])
+            .arg(&folder)
+            .output()
+            .expect("started")
+    };
+    let refused = second();
+    let words = String::from_utf8_lossy(&refused.stderr);
+    println!("{words}");
+    assert_eq!(refused.status.code(), Some(2));
+    let owner = format!("in use by process {}", run.child.id());
+    assert!(words.contains(&owner), "{words}");
+    let before = run.rows();
+    run.wait_for_steps(before + 2);
+    // a process that died holds no folder
+    let (children, _) = run.children();
+    kill(Pid::from_raw(run.child.id() as i32), Signal::SIGKILL).expect("killed");
+    run.child.wait().expect("gone");
+    let begun = Instant::now();
+    while children.values().any(|&pid| is_alive(pid)) && begun.elapsed() < LEAVING_MAX {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let again = second();
+    let words = String::from_utf8_lossy(&again.stderr);
+    assert_eq!(again.status.code(), Some(0), "{words}");
+}
+
+#[test]
 fn a_second_interruption_kills() {
     let mut run = Run::start(&small_cloud(100.0));
     run.wait_for_steps(3);

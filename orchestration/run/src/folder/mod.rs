@@ -1,10 +1,12 @@
 //! The folder of a run.
 //!
 //! `run_folder` takes what the coupler sends, on the thread of `writer`; `steps` is its table,
-//! `document` its `run.json` (with `machine` and `recorded`), `draw` what pictures must offer.
+//! `document` its `run.json` (with `machine` and `recorded`), `draw` what pictures must offer, `lock` that
+//! no other run writes there.
 
 pub mod document;
 pub mod draw;
+pub mod lock;
 pub mod machine;
 pub mod recorded;
 pub mod run_folder;

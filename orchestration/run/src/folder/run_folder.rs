@@ -9,6 +9,7 @@
 //! | `frames/`, `overview.png` | pictures |
 //! | `exchange.mcap` | all that the processes exchanged, when it is recorded |
 //! | `logs/` | what the processes said |
+//! | `.lock` | held by the run that writes here |
 
 use std::path::{Path, PathBuf};
 
