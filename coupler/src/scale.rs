@@ -19,9 +19,10 @@ mod tests {
 
     #[test]
     fn nothing_is_relative_to_nothing_and_weightless_grains_to_their_forces() {
-        assert_eq!(relative(1e-20, present(0.0, 0.0)), 0.0);
-        assert_eq!(relative(1e-20, present(0.0, 1e-3)), 1e-17);
-        assert_eq!(relative(1e-20, present(1e-30, 1e-3)), 1e-17);
-        assert_eq!(relative(1e-20, present(1e-4, 1e-3)), 1e-16);
+        let small = 0.5_f64.powi(80);
+        assert_eq!(relative(small, present(0.0, 0.0)), 0.0);
+        assert_eq!(relative(small, present(0.0, 0.25)), 4.0 * small);
+        assert_eq!(relative(small, present(small, 0.25)), 4.0 * small);
+        assert_eq!(relative(small, present(0.125, 0.25)), 8.0 * small);
     }
 }
