@@ -5,8 +5,8 @@ use space::vector::from_fn;
 use space::{Dim, Dimension, Simplex, Vector, hypot};
 
 use super::coefficients::{Carrier, Coefficients};
-use super::held::Weights;
-use super::stabilization::Scales;
+use super::held::{Weights, held};
+use super::stabilization::{Scales, mean};
 use crate::mesh::simplices::Mesh;
 
 /// Most flows that can take part: two earlier steps and the iterate.
@@ -109,12 +109,25 @@ where
             mixture: porosity + mean(&self.entrained),
             size: self.simplex.size(),
         };
-        scales.held = self.held(&scales);
+        let carried = terms.density * terms.rate * mean(&self.mobility);
+        let follows = (mean(&self.entrained) + carried).abs();
+        scales.held = held(&scales, &self.drag, follows, 1.0 - porosity);
         self.tau = scales.momentum();
         self.tau_c = terms.grad_div * scales.continuity();
         if scales.held > 0.0 {
             self.weigh(&scales);
         }
+    }
+
+    /// The weights of held grains, and the ∇P that belongs to them.
+    fn weigh(&mut self, scales: &Scales) {
+        self.weights = Weights::of(scales, &self.drag, &self.porosity);
+        let evened = self.weights.evened;
+        let even = interpolate(&evened, &self.entrained);
+        let own = std::array::from_fn(|j| self.entrained[j] * (1.0 - evened[j]));
+        let own = self.simplex.gradient_of(&own);
+        let (slope, sum) = (self.porosity_gradient, self.weights.porosity_sum);
+        self.mixture_gradient = from_fn(|d| slope[d] * (1.0 + even / sum) + own[d]);
     }
 
     /// Σ weight_k v^k where the shape functions are `shape`.
@@ -176,12 +189,4 @@ where
         sum += simplex.gradient_of(&field[d])[d];
     }
     sum
-}
-
-pub(super) fn mean<const N: usize>(value: &[f64; N]) -> f64 {
-    let mut sum = value[0];
-    for k in 1..N {
-        sum += value[k];
-    }
-    sum / N as f64
 }

@@ -21,11 +21,8 @@
 //! short the step is. ϑ = 0 leaves every bit as it is: in suspensions, and where β is uniform or small.
 
 use space::simplex::interpolate;
-use space::vector::from_fn;
-use space::{Dim, Dimension};
 
-use super::element::{Element, mean};
-use super::stabilization::Scales;
+use super::stabilization::{Scales, mean};
 
 /// F/S up to which (H1) and (H2) are there whole.
 const FOLLOWS_MIN: f64 = 0.01;
@@ -53,6 +50,22 @@ impl<const N: usize> Weights<N> {
         }
     }
 
+    /// d_j and f_j where the corners drag so.
+    pub fn of(scales: &Scales, drag: &[f64; N], porosity: &[f64; N]) -> Weights<N> {
+        let mut weights = Weights::none(porosity);
+        let other = scales.other_than_drag();
+        let kept = scales.least_drag + other;
+        let whole = interpolate(porosity, &drag.map(|b| b + other));
+        for j in 0..N {
+            let share = (drag[j] + other) * weights.porosity_sum / whole;
+            weights.tilt[j] = scales.held * (share - 1.0) / N as f64; // (H1)
+            if drag[j] > kept {
+                weights.evened[j] = scales.held * (1.0 - kept / drag[j]);
+            }
+        }
+        weights
+    }
+
     /// M_j at a point. (H2)
     #[inline]
     pub fn spread(&self, shape: &[f64; N], porosity: f64) -> [f64; N] {
@@ -61,42 +74,19 @@ impl<const N: usize> Weights<N> {
     }
 }
 
-impl<const D: usize, const N: usize> Element<'_, D, N>
-where
-    Dim<D>: Dimension<D>,
-{
-    /// ϑ of (H3).
-    pub(super) fn held(&self, scales: &Scales) -> f64 {
-        let most = self.drag.iter().fold(0.0, |most: f64, &b| most.max(b));
-        let uneven = (most - scales.least_drag) / scales.other_than_drag() - 1.0;
-        let uneven = uneven.clamp(0.0, 1.0);
-        let carried = self.terms.density * self.terms.rate * mean(&self.mobility);
-        let follows = (mean(&self.entrained) + carried).abs();
-        if uneven == 0.0 || follows == 0.0 {
-            return uneven;
-        }
-        let part = follows / (1.0 - mean(&self.porosity)).max(follows);
-        uneven * ((FOLLOWS_MAX - part) / (FOLLOWS_MAX - FOLLOWS_MIN)).clamp(0.0, 1.0) // (H3)
+/// ϑ of (H3), with F and S.
+pub(super) fn held<const N: usize>(
+    scales: &Scales,
+    drag: &[f64; N],
+    follows: f64,
+    solid: f64,
+) -> f64 {
+    let most = drag.iter().fold(0.0, |most: f64, &b| most.max(b));
+    let uneven = (most - scales.least_drag) / scales.other_than_drag() - 1.0;
+    let uneven = uneven.clamp(0.0, 1.0);
+    if uneven == 0.0 || follows == 0.0 {
+        return uneven;
     }
-
-    /// d_j and f_j, and ∇P that belongs to them.
-    pub(super) fn weigh(&mut self, scales: &Scales) {
-        let other = scales.other_than_drag();
-        let kept = scales.least_drag + other;
-        let whole = interpolate(&self.porosity, &self.drag.map(|b| b + other));
-        let sum = self.weights.porosity_sum;
-        for j in 0..N {
-            let share = (self.drag[j] + other) * sum / whole;
-            self.weights.tilt[j] = scales.held * (share - 1.0) / N as f64; // (H1)
-            if self.drag[j] > kept {
-                self.weights.evened[j] = scales.held * (1.0 - kept / self.drag[j]);
-            }
-        }
-        let evened = self.weights.evened;
-        let even = interpolate(&evened, &self.entrained);
-        let own = std::array::from_fn(|j| self.entrained[j] * (1.0 - evened[j]));
-        let own = self.simplex.gradient_of(&own);
-        let slope = self.porosity_gradient;
-        self.mixture_gradient = from_fn(|d| slope[d] * (1.0 + even / sum) + own[d]);
-    }
+    let part = follows / solid.max(follows);
+    uneven * ((FOLLOWS_MAX - part) / (FOLLOWS_MAX - FOLLOWS_MIN)).clamp(0.0, 1.0) // (H3)
 }

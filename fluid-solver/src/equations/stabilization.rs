@@ -67,3 +67,12 @@ impl Scales {
         (self.viscosity + convective + resistive) / (self.mixture * self.mixture) // (S2)
     }
 }
+
+/// The mean over the corners of a simplex.
+pub(super) fn mean<const N: usize>(value: &[f64; N]) -> f64 {
+    let mut sum = value[0];
+    for k in 1..N {
+        sum += value[k];
+    }
+    sum / N as f64
+}
