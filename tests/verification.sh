@@ -32,8 +32,11 @@ cargo test --release --workspace --no-fail-fast --tests -- \
             in_table = in_text = 0
         }
         /^ +Running unittests src\/(lib|main)\.rs / {
-            close_table(); pending = ""; package = $NF
-            sub(/^.*\//, "", package); sub(/-[0-9a-f]+\)$/, "", package); gsub(/_/, "-", package)
+            close_table(); pending = ""; name = $NF
+            sub(/^.*\//, "", name); sub(/-[0-9a-f]+\)$/, "", name); gsub(/_/, "-", name)
+            # programs of a library are named sillage-…, and belong to it
+            if (name ~ /^sillage-/) next
+            package = name
             kept = package ~ /^(fluid-solver|particle-solver|coupler|tests)$/
             if (kept && package != last) { print ""; print "## " package; last = package }
             next
