@@ -93,7 +93,7 @@ fn deviation(grains: &InitialGrains, dt: f64, steps: usize) -> (f64, f64) {
 /// Print, then assert: a lattice cut along the mesh and places at random make no flow; an oblique
 /// edge makes that of its corners at the walls, whatever the grains.
 fn table(rows: &[(&str, usize, f64)], dt: f64, steps: usize) {
-    println!("| plug | grains a cell | rms |u−U|/U | largest |");
+    println!("| plug | grains a cell | rms of u − U over U | largest |");
     for &(name, per_cell, solid_fraction) in rows {
         let centres = match name {
             "lattice" => cut(per_cell, 0.0),

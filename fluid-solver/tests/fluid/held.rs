@@ -191,7 +191,7 @@ fn action_is_reaction_and_energy_is_accounted_for_where_half_of_the_nodes_are_he
 #[test]
 fn uniform_motion_goes_on_where_half_of_the_nodes_are_held_to_grains() {
     let velocity = [0.7, -0.3];
-    println!("| β up to | largest |v − V|/V |");
+    println!("| β up to | largest of v − V over V |");
     for strength in [1e2, 1e6, 1e8] {
         let mut rectangle = Rectangle::new([0.0; 2], [1.0; 2], [12; 2]);
         rectangle.periodic = [true, true];
