@@ -108,13 +108,13 @@ where
     let scale = nodal_norm(mass, &scale).max(f64::MIN_POSITIVE);
     let weight: Vector<D> = forces.iter().map(|own| own.weight).sum();
     let lost: Vector<D> = (0..forces.len()).map(|i| residual[i] * model.drag[i]).sum();
-    let of_grain = |own: &GrainForces<D>| relative(hypot(&own.error), own.scale);
-    let of_grains = forces.iter().map(of_grain).collect();
-    let forces = forces.iter().map(|own| own.scale).sum();
+    // an error where there is no scale is the largest there is, and not none
+    let of_grain = |own: &GrainForces<D>| hypot(&own.error) / own.scale.max(f64::MIN_POSITIVE);
+    let all = forces.iter().map(|own| own.scale).sum();
     Defect {
         relative: nodal_norm(mass, &error) / scale, // (F3)
         scale,
-        momentum: relative(hypot(&lost), present(hypot(&weight), forces)),
-        of_grains,
+        momentum: relative(hypot(&lost), present(hypot(&weight), all)),
+        of_grains: forces.iter().map(of_grain).collect(),
     }
 }
