@@ -90,6 +90,8 @@ pub struct Response<const D: usize> {
     pub solid_flux: Vec<Vector<D>>,
     /// κ \[m³ s/kg\]
     pub solid_mobility: Vec<f64>,
+    /// β of the fixed grains \[kg/(m³ s)\]
+    pub fixed_drag: Vec<f64>,
 }
 
 /// What the particle engine answers.

@@ -89,6 +89,7 @@ impl FluidEngine for Engine {
             entrained_fraction: inputs.get(Field::EntrainedFraction),
             solid_flux: inputs.get(Field::SolidFlux),
             solid_mobility: inputs.get(Field::SolidMobility),
+            fixed_drag: inputs.get(Field::FixedDrag),
         };
         let request = Request {
             step: request.step,

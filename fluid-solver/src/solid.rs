@@ -22,6 +22,8 @@ pub struct SolidFields<'a> {
     pub solid_flux: Option<&'a [f64]>,
     /// κ \[m³ s/kg\]
     pub solid_mobility: Option<&'a [f64]>,
+    /// β of fixed grains \[kg/(m³ s)\]
+    pub fixed_drag: Option<&'a [f64]>,
 }
 
 /// The same fields, complete, checked and owned.
@@ -46,6 +48,8 @@ pub struct SolidMatrix {
     pub entrained_fraction: Vec<f64>,
     /// κ \[m³ s/kg\]
     pub solid_mobility: Vec<f64>,
+    /// β of fixed grains \[kg/(m³ s)\]; empty: none is fixed
+    pub fixed_drag: Vec<f64>,
 }
 
 impl<const D: usize> Solid<D> {
@@ -72,12 +76,17 @@ impl<const D: usize> Solid<D> {
                 value: porosity[node],
             });
         }
+        let fixed_drag = match fields.fixed_drag {
+            None => Vec::new(),
+            given => scalar("fixed_drag", given, 0.0)?,
+        };
         Ok(Solid {
             matrix: Arc::new(SolidMatrix {
                 porosity,
                 drag: scalar("drag", fields.drag, 0.0)?,
                 entrained_fraction: scalar("entrained_fraction", fields.entrained_fraction, 0.0)?,
                 solid_mobility: scalar("solid_mobility", fields.solid_mobility, 0.0)?,
+                fixed_drag,
             }),
             drag_source: vector("drag_source", fields.drag_source)?,
             solid_flux: vector("solid_flux", fields.solid_flux)?,

@@ -10,7 +10,7 @@
 //! and the fluid is given the affine model v̄ ≈ z + λ D q of every grain. With A = λ γ D:
 //!
 //! ```text
-//!   φ = 1 − T(V)   β = T(γ(1−A))   c = T(V A)   κ = T(V² λ D)
+//!   φ = 1 − T(V)   β = T(γ(1−A))   c = T(V A)   κ = T(V² λ D)   β^f = β of fixed grains
 //!   s  = T(γ z) + [β w* − T(γ(1−A) N w*)] + [c G* − T(V A N G*)] + T(carried force)              (R3)
 //!   j⁰ = T(V z) − [c w* − T(V A N w*)] + [κ G* − T(V² λ D N G*)]                                 (R4)
 //! ```
@@ -54,6 +54,8 @@ pub struct Model<const D: usize> {
     pub lambda: Vec<f64>,
     /// z \[m/s\]
     pub free_velocity: Vec<Vector<D>>,
+    /// Never moves
+    pub fixed: Vec<bool>,
 }
 
 impl<const D: usize> Model<D> {
@@ -71,6 +73,7 @@ impl<const D: usize> Model<D> {
             mobility: vec![0.0; count],
             lambda: vec![1.0; count],
             free_velocity: vec![Vector::zeros(); count],
+            fixed: grains.fixed.clone(),
             drag,
         };
         for i in (0..count).filter(|&i| !grains.fixed[i]) {
@@ -111,6 +114,14 @@ impl<const D: usize> Model<D> {
     /// γ(1 − A): of the drag, what stays a drag on the mesh.
     fn nodal_drag(&self, grain: usize) -> f64 {
         self.drag[grain] * (1.0 - self.entrainment(grain))
+    }
+
+    /// The same of a fixed grain, else 0.
+    fn fixed_drag(&self, grain: usize) -> f64 {
+        match self.fixed[grain] {
+            true => self.nodal_drag(grain),
+            false => 0.0,
+        }
     }
 
     /// V A: of the volume, what moves with the fluid.
@@ -154,8 +165,13 @@ impl<const D: usize> Response<D> {
     where
         Dim<D>: Dimension<D>,
     {
+        let fixed_drag = match model.fixed.contains(&true) {
+            true => transfer.deposit(placement, |i| model.fixed_drag(i)),
+            false => vec![0.0; porosity.len()],
+        };
         Response {
             porosity,
+            fixed_drag,
             drag: transfer.deposit(placement, |i| model.nodal_drag(i)),
             entrained_fraction: transfer.deposit(placement, |i| model.entrained_volume(i)),
             solid_mobility: transfer.deposit(placement, |i| model.volume_mobility(i)),

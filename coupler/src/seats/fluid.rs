@@ -114,6 +114,7 @@ impl<const D: usize, const N: usize> FluidSeat<D, N> {
             (Field::Drag, &response.drag),
             (Field::DragSource, flat::numbers(&response.drag_source)),
             (Field::SolidFlux, flat::numbers(&response.solid_flux)),
+            (Field::FixedDrag, &response.fixed_drag),
         ];
         if self.takes_affine_response() {
             inputs.push((Field::EntrainedFraction, &response.entrained_fraction));
@@ -137,12 +138,12 @@ impl<const D: usize, const N: usize> FluidSeat<D, N> {
     }
 }
 
-/// Where nothing can be entrained, as in a bed of fixed grains, these fields are zero everywhere: what
-/// an engine takes for a field that does not come (protocol, §3).
+/// Where nothing can be entrained, as in a bed of fixed grains, or nothing is fixed, as in a suspension, these
+/// fields are zero everywhere: what an engine takes for a field that does not come (protocol, §3).
 fn must_be_sent(field: Field, values: &[f64]) -> bool {
     let zero_when_absent = matches!(
         field,
-        Field::SolidFlux | Field::EntrainedFraction | Field::SolidMobility
+        Field::SolidFlux | Field::EntrainedFraction | Field::SolidMobility | Field::FixedDrag
     );
     !zero_when_absent || values.iter().any(|&value| value != 0.0)
 }

@@ -19,6 +19,7 @@ fn model<const D: usize>(count: usize) -> Model<D> {
         mobility: vec![0.1; count],
         lambda: vec![0.5; count],
         free_velocity: vec![Vector::zeros(); count],
+        fixed: vec![false; count],
     }
 }
 

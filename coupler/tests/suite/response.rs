@@ -162,12 +162,14 @@ where
         mobility: vec![0.15],
         lambda: vec![0.5],
         free_velocity: vec![Vector::zeros()],
+        fixed: vec![true],
     };
     assert!((model.entrainment(0) - 0.3).abs() < 1e-15);
     let response = Response::of_matrix(&transfer, &placement, Vec::new(), &model);
     let mass = mesh.nodal_mass[node];
     for (found, expected) in [
         (response.drag[node], 4.0 * 0.7 / mass),
+        (response.fixed_drag[node], 4.0 * 0.7 / mass),
         (response.entrained_fraction[node], 0.2 * 0.3 / mass),
         (response.solid_mobility[node], 0.04 * 0.5 * 0.15 / mass),
     ] {

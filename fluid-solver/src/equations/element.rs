@@ -5,7 +5,7 @@ use space::vector::from_fn;
 use space::{Dim, Dimension, Simplex, Vector, hypot};
 
 use super::coefficients::{Carrier, Coefficients};
-use super::held::{Weights, held};
+use super::held::{Held, Weights, all_held};
 use super::stabilization::{Scales, mean};
 use crate::mesh::simplices::Mesh;
 
@@ -25,6 +25,7 @@ pub struct Element<'a, const D: usize, const N: usize> {
     pub(super) entrained: [f64; N],
     pub(super) mobility: [f64; N],
     pub(super) drag: [f64; N],
+    fixed_drag: [f64; N],
     pub(super) source: Components<D, N>,
     pub(super) flux: Components<D, N>,
     /// β_j/φ_j
@@ -72,6 +73,10 @@ where
             entrained,
             mobility,
             drag,
+            fixed_drag: match solid.fixed_drag.is_empty() {
+                true => [0.0; N],
+                false => nodes.map(|n| solid.fixed_drag[n].min(solid.drag[n]).max(0.0)),
+            },
             source: vector(&terms.solid.drag_source),
             flux,
             drag_ratio: std::array::from_fn(|k| drag[k] / porosity[k]),
@@ -94,34 +99,34 @@ where
         let terms = self.terms;
         let centre = [1.0 / N as f64; N];
         let porosity = mean(&self.porosity);
-        let least = self
-            .drag
-            .iter()
-            .fold(f64::INFINITY, |least, &b| least.min(b));
         let mut scales = Scales {
             rate: terms.rate,
             inertia: terms.density * porosity,
             viscosity: terms.dynamic_viscosity * porosity,
             drag: mean(&self.drag),
-            least_drag: least,
-            held: 0.0,
+            relieved: 0.0,
             speed: hypot(&self.carried(&centre, |carrier| carrier.convects)),
             mixture: porosity + mean(&self.entrained),
             size: self.simplex.size(),
         };
         let carried = terms.density * terms.rate * mean(&self.mobility);
         let follows = (mean(&self.entrained) + carried).abs();
-        scales.held = held(&scales, &self.drag, follows, 1.0 - porosity);
+        let all = all_held(follows, 1.0 - porosity);
+        let held = [(all, self.drag), (1.0 - all, self.fixed_drag)]
+            .map(|(share, drag)| Held::new(&scales, share, drag));
+        scales.relieved = held[0].excess(&scales) + held[1].excess(&scales);
         self.tau = scales.momentum();
         self.tau_c = terms.grad_div * scales.continuity();
-        if scales.held > 0.0 {
-            self.weigh(&scales);
+        if held.iter().any(|held| held.part > 0.0) {
+            self.weigh(&scales, &held);
         }
     }
 
     /// The weights of held grains, and the ∇P that belongs to them.
-    fn weigh(&mut self, scales: &Scales) {
-        self.weights = Weights::of(scales, &self.drag, &self.porosity);
+    fn weigh(&mut self, scales: &Scales, held: &[Held<N>]) {
+        for held in held {
+            (self.weights).add(scales, held, &self.drag, &self.porosity);
+        }
         let evened = self.weights.evened;
         let even = interpolate(&evened, &self.entrained);
         let own = std::array::from_fn(|j| self.entrained[j] * (1.0 - evened[j]));

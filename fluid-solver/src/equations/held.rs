@@ -8,7 +8,7 @@
 //!   d_i = ϑ/N [(β_i + b0) Σ_k φ_k / Σ_k φ_k(β_k + b0) − 1]          Σ φ_i d_i = 0         (H1)
 //!   f_j = ϑ [1 − min(1, (β_min + b0)/β_j)]
 //!   M_j = N_j + f_j [φ/(Nφ¯) − N_j]                                                       (H2)
-//!   ϑ   = [((F1 S − F)/((F1 − F0) S)] · [(β_max − β_min)/b0 − 1]                          (H3)
+//!   ϑ   = [(F1 S − F)/((F1 − F0) S)] · [(β_max − β_min)/b0 − 1]                           (H3)
 //!   F   = c¯ + ρα/Δt κ¯,   S = 1 − φ¯
 //! ```
 //!
@@ -18,7 +18,9 @@
 //! those of the nodal products (P1).
 //!
 //! F/S is near 0 where all grains are held; where they follow the fluid it is about λ or more, however
-//! short the step is. ϑ = 0 leaves every bit as it is: in suspensions, and where β is uniform or small.
+//! short the step is. There the same weights with the drag β^f of fixed grains for β stand in, by 1 less the
+//! last factor of ϑ: what flows between fixed grains changes nothing, and who is fixed does not depend on the
+//! pass. ϑ = 0 leaves every bit as it is: in suspensions, and where β is uniform or small.
 
 use space::simplex::interpolate;
 
@@ -50,20 +52,21 @@ impl<const N: usize> Weights<N> {
         }
     }
 
-    /// d_j and f_j where the corners drag so.
-    pub fn of(scales: &Scales, drag: &[f64; N], porosity: &[f64; N]) -> Weights<N> {
-        let mut weights = Weights::none(porosity);
+    /// Add d_j and f_j of what of the drag is held so.
+    pub fn add(&mut self, scales: &Scales, held: &Held<N>, drag: &[f64; N], porosity: &[f64; N]) {
+        if held.part == 0.0 {
+            return;
+        }
         let other = scales.other_than_drag();
-        let kept = scales.least_drag + other;
-        let whole = interpolate(porosity, &drag.map(|b| b + other));
-        for j in 0..N {
-            let share = (drag[j] + other) * weights.porosity_sum / whole;
-            weights.tilt[j] = scales.held * (share - 1.0) / N as f64; // (H1)
-            if drag[j] > kept {
-                weights.evened[j] = scales.held * (1.0 - kept / drag[j]);
+        let kept = held.least + other;
+        let whole = interpolate(porosity, &held.drag.map(|b| b + other));
+        for (j, &own) in held.drag.iter().enumerate() {
+            let share = (own + other) * self.porosity_sum / whole;
+            self.tilt[j] += held.part * (share - 1.0) / N as f64; // (H1)
+            if own > kept {
+                self.evened[j] += held.part * (1.0 - kept / own) * (own / drag[j]);
             }
         }
-        weights
     }
 
     /// M_j at a point. (H2)
@@ -74,19 +77,43 @@ impl<const N: usize> Weights<N> {
     }
 }
 
-/// ϑ of (H3), with F and S.
-pub(super) fn held<const N: usize>(
-    scales: &Scales,
-    drag: &[f64; N],
-    follows: f64,
-    solid: f64,
-) -> f64 {
-    let most = drag.iter().fold(0.0, |most: f64, &b| most.max(b));
-    let uneven = (most - scales.least_drag) / scales.other_than_drag() - 1.0;
-    let uneven = uneven.clamp(0.0, 1.0);
-    if uneven == 0.0 || follows == 0.0 {
-        return uneven;
+/// Drag at the corners that counts as held.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Held<const N: usize> {
+    drag: [f64; N],
+    least: f64,
+    /// ϑ
+    pub part: f64,
+}
+
+impl<const N: usize> Held<N> {
+    /// `share` of this drag, as far as it is uneven. (H3)
+    pub fn new(scales: &Scales, share: f64, drag: [f64; N]) -> Held<N> {
+        let least = drag.iter().fold(f64::INFINITY, |least, &b| least.min(b));
+        let most = drag.iter().fold(0.0, |most: f64, &b| most.max(b));
+        let uneven = match share > 0.0 && most > least {
+            true => (most - least) / scales.other_than_drag() - 1.0,
+            false => 0.0,
+        };
+        Held {
+            part: share * uneven.clamp(0.0, 1.0),
+            drag,
+            least,
+        }
+    }
+
+    /// What of the mean drag τ_c leaves out. (S2)
+    pub fn excess(&self, scales: &Scales) -> f64 {
+        let bound = scales.viscous_bound(self.least);
+        self.part * (mean(&self.drag) - bound).max(0.0)
+    }
+}
+
+/// The share of a simplex whose grains are all held: the first factor of ϑ, with F and S. (H3)
+pub(super) fn all_held(follows: f64, solid: f64) -> f64 {
+    if follows == 0.0 {
+        return 1.0;
     }
     let part = follows / solid.max(follows);
-    uneven * ((FOLLOWS_MAX - part) / (FOLLOWS_MAX - FOLLOWS_MIN)).clamp(0.0, 1.0) // (H3)
+    ((FOLLOWS_MAX - part) / (FOLLOWS_MAX - FOLLOWS_MIN)).clamp(0.0, 1.0)
 }

@@ -30,10 +30,8 @@ pub struct Scales {
     pub viscosity: f64,
     /// β \[kg/(m³ s)\].
     pub drag: f64,
-    /// Least β of the corners \[kg/(m³ s)\].
-    pub least_drag: f64,
-    /// ϑ of (H3).
-    pub held: f64,
+    /// What of β is not in β_c \[kg/(m³ s)\].
+    pub relieved: f64,
     /// |a| \[m/s\].
     pub speed: f64,
     /// P = φ + c.
@@ -58,12 +56,15 @@ impl Scales {
         convective + 3.0 * self.viscosity / (self.size * self.size) // (S3)
     }
 
+    /// Drag from which on it is left out of τ_c, where the least of the corners is `least` \[kg/(m³ s)\].
+    pub fn viscous_bound(&self, least: f64) -> f64 {
+        least + 12.0 * self.viscosity / (self.size * self.size)
+    }
+
     /// τ_c of the continuity residual \[Pa s\], for a unit grad-div factor.
     pub fn continuity(&self) -> f64 {
         let convective = 0.5 * self.inertia * self.speed * self.size;
-        let bound = self.least_drag + 12.0 * self.viscosity / (self.size * self.size);
-        let excess = (self.drag - bound).max(0.0);
-        let resistive = (self.drag - self.held * excess) * self.size * self.size;
+        let resistive = (self.drag - self.relieved) * self.size * self.size;
         (self.viscosity + convective + resistive) / (self.mixture * self.mixture) // (S2)
     }
 }

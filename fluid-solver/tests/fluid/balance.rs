@@ -22,6 +22,7 @@ struct RandomSolid {
     entrained: Vec<f64>,
     flux: Vec<f64>,
     mobility: Vec<f64>,
+    fixed: Vec<f64>,
 }
 
 impl RandomSolid {
@@ -38,13 +39,16 @@ impl RandomSolid {
             .zip(&fraction)
             .map(|(p, f)| (1.0 - p) * f)
             .collect();
+        let drags = many(n, 0.0, drag);
+        let fixed = fraction.iter().zip(&drags).map(|(f, b)| f * b).collect();
         RandomSolid {
             porosity,
-            drag: many(n, 0.0, drag),
             source: many(2 * n, -drag, drag),
             entrained,
             flux: many(2 * n, -1e-2, 1e-2),
             mobility: many(n, 0.0, 1e-4),
+            fixed,
+            drag: drags,
         }
     }
 
@@ -56,6 +60,7 @@ impl RandomSolid {
             entrained_fraction: Some(&self.entrained),
             solid_flux: Some(&self.flux),
             solid_mobility: Some(&self.mobility),
+            fixed_drag: Some(&self.fixed),
         }
     }
 }
@@ -180,6 +185,7 @@ fn packing_and_fluid_translate_together_through_the_mesh() {
                     entrained_fraction: Some(&entrained),
                     solid_flux: Some(&flux),
                     solid_mobility: Some(&mobility),
+                    fixed_drag: Some(&drag),
                 };
                 solver.advance(&Request::first(1, dt), &fields).unwrap();
                 solver.commit().unwrap();

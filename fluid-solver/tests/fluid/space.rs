@@ -190,6 +190,7 @@ struct RandomSolid {
     entrained: Vec<f64>,
     flux: Vec<f64>,
     mobility: Vec<f64>,
+    fixed: Vec<f64>,
 }
 
 impl RandomSolid {
@@ -200,16 +201,19 @@ impl RandomSolid {
         };
         let porosity = many(nodes, 0.3, 1.0);
         let share = many(nodes, 0.0, 1.0);
+        let drags = many(nodes, 0.0, drag);
+        let fixed = share.iter().zip(&drags).map(|(f, b)| f * b).collect();
         let pairs = porosity.iter().zip(&share);
         RandomSolid {
             entrained: pairs
                 .map(|(porosity, share)| (1.0 - porosity) * share)
                 .collect(),
             porosity,
-            drag: many(nodes, 0.0, drag),
+            drag: drags,
             source: many(D * nodes, -drag, drag),
             flux: many(D * nodes, -1e-2, 1e-2),
             mobility: many(nodes, 0.0, 1e-4),
+            fixed,
         }
     }
 
@@ -221,6 +225,7 @@ impl RandomSolid {
             entrained_fraction: Some(&self.entrained),
             solid_flux: Some(&self.flux),
             solid_mobility: Some(&self.mobility),
+            fixed_drag: Some(&self.fixed),
         }
     }
 }

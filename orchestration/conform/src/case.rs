@@ -169,6 +169,7 @@ impl Case {
                     (Field::EntrainedFraction, of_solid(0.5)),
                     (Field::SolidFlux, vector(SPEED, 1.1)),
                     (Field::SolidMobility, of_solid(0.5 / inertia)),
+                    (Field::FixedDrag, of_solid(0.5 * inertia)),
                 ]
             }
             Part::Particles(scene, grains) => {

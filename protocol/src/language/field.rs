@@ -169,6 +169,9 @@ fields! {
     GrainForce = 41 "grain_force" Grain Vector Unit::Of("N"), Some(0.0), [ToParticles];
     /// 0 free, 1 touches, 2 held by a wall or a fixed grain.
     GrainContact = 42 "grain_contact" Grain Scalar Unit::Of("–"), None, [FromParticles];
+
+    /// Part of `drag` that is of fixed grains; at most `drag`.
+    FixedDrag = 50 "fixed_drag" Node Scalar Unit::Of("kg/(m³ s)"), Some(0.0), [ToFluid];
 }
 
 /// Coupler → fluid.

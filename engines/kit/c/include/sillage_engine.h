@@ -108,6 +108,11 @@
  */
 #define SILLAGE_FIELD_GRAIN_CONTACT 42
 
+/*
+ Part of `drag` that is of fixed grains; at most `drag`. (kg/(m³ s); scalar)
+ */
+#define SILLAGE_FIELD_FIXED_DRAG 50
+
 
 /*
  Version of this interface; compare with sillage_abi_version().

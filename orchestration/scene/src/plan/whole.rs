@@ -259,6 +259,7 @@ fn fields(scene: &Scene) -> Vec<Exchange> {
                     Field::EntrainedFraction,
                     Field::SolidFlux,
                     Field::SolidMobility,
+                    Field::FixedDrag,
                 ],
             );
         }

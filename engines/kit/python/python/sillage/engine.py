@@ -65,7 +65,7 @@ class FluidEngine(_Engine):
 
         ``inputs`` (:class:`sillage.Fields`, n nodes in d dimensions): ``porosity`` [–], ``drag`` [kg/(m³ s)],
         ``drag_source`` [N/m³, n × d], ``entrained_fraction`` [–], ``solid_flux`` [m/s, n × d],
-        ``solid_mobility`` [m³ s/kg]. ``outputs``: ``interstitial_velocity`` [m/s, n × d],
+        ``solid_mobility`` [m³ s/kg], ``fixed_drag`` [kg/(m³ s)]. ``outputs``: ``interstitial_velocity`` [m/s, n × d],
         ``pressure_gradient`` [Pa/m, n × d], ``pressure`` [Pa]; all must be written.
 
         Returns a :class:`sillage.FluidReport`, or ``None``. Raise
