@@ -131,6 +131,7 @@ mod tests {
             fluid: None,
             particles: None,
             grains_stay: false,
+            grain_boundaries: None,
             grains_file: None,
             scheme: Scheme::Staggered,
             drag: DragLaw::Dallavalle,

@@ -20,6 +20,12 @@ pub enum CouplerError {
         /// What is wrong, where, and what is allowed.
         why: String,
     },
+    /// The walls of the grains cannot be made, or not be run.
+    #[error("walls of the grains: {why}")]
+    Walls {
+        /// What is wrong, and the remedy.
+        why: String,
+    },
     /// There is neither a fluid nor a grain.
     #[error("nothing to couple: the scene has neither a fluid nor grains")]
     Nothing,
@@ -137,7 +143,7 @@ impl CouplerError {
         match self {
             CouplerError::Protocol(error) => error.exit_code(),
             CouplerError::Recording(error) => error.exit_code(),
-            CouplerError::Scene { .. } | CouplerError::Nothing => 2,
+            CouplerError::Scene { .. } | CouplerError::Walls { .. } | CouplerError::Nothing => 2,
             CouplerError::GrainOutside { .. }
             | CouplerError::Dimension { .. }
             | CouplerError::ContactState { .. }

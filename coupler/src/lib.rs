@@ -8,7 +8,7 @@
 //! * [`system`]: what is coupled with what; [`coupled`] (S1–S6), [`one_way`], [`alone`]
 //! * [`immersion`]: grains in a fluid, with [`transfer`] and [`drag`]
 //! * [`seats`]: the engines, as the scheme sees them
-//! * [`simulation`], [`setup`], [`run`], [`clock`]: from a scene to its end
+//! * [`simulation`], [`setup`] with [`walls`], [`run`], [`clock`]: from a scene to its end
 //! * [`budget`], [`report`], [`cost`], [`observe`], [`listener`], [`record`]: what is told of it
 
 pub mod alone;
@@ -33,3 +33,4 @@ pub mod simulation;
 pub mod state;
 pub mod system;
 pub mod transfer;
+pub mod walls;

@@ -3,7 +3,7 @@
 use protocol::engine::InitialGrains;
 use protocol::message::Role;
 use protocol::partner::Partner;
-use protocol::scene::{CouplerScene, FluidScene, Geometry, ParticleScene, Scheme, Wall};
+use protocol::scene::{CouplerScene, FluidScene, Geometry, ParticleScene, Scheme};
 use space::{Dim, Dimension, Vector};
 
 use crate::alone::{Dry, FluidAlone};
@@ -23,6 +23,7 @@ use crate::state::{Flow, Grains, State};
 use crate::system::System;
 use crate::transfer::deposit::Transfer;
 use crate::transfer::mesh::Mesh;
+use crate::walls::with_facets;
 
 /// Contact residual wished for, of the tolerance of the passes: errors of all contacts below a grain
 /// add up in it, so a held bed is as still as its contact solve is exact.
@@ -45,7 +46,8 @@ where
         }
         _ => None,
     };
-    let particles = match (particles, &scene.particles) {
+    let part = particle_part(scene, fluid.as_ref().map(|(seat, _)| seat))?;
+    let particles = match (particles, &part) {
         (Some(partner), Some(part)) => {
             let (unread, tolerance) = (scene.unread(Role::Particles), tolerance(scene, part));
             let seated = ParticleSeat::new(partner, part, grains, unread, tolerance)?;
@@ -66,6 +68,23 @@ where
             Ok((System::Dry(Dry { particles }), state))
         }
         (None, None) => Err(CouplerError::Nothing),
+    }
+}
+
+/// The particle engine's part, with the walls of the fluid's mesh where they are the grains' too.
+fn particle_part<const D: usize, const N: usize>(
+    scene: &CouplerScene,
+    fluid: Option<&FluidSeat<D, N>>,
+) -> Result<Option<ParticleScene>, CouplerError>
+where
+    Dim<D>: Dimension<D>,
+{
+    match (&scene.particles, &scene.grain_boundaries, fluid) {
+        (Some(part), Some(sides), Some(seat)) => {
+            let engine = &seat.engine().hello().engine;
+            with_facets::<D>(part, &seat.description.facets, sides, engine).map(Some)
+        }
+        (part, ..) => Ok(part.clone()),
     }
 }
 
@@ -170,16 +189,12 @@ fn tolerance(scene: &CouplerScene, part: &ParticleScene) -> f64 {
 
 /// Walls and periods that grains may meet.
 fn proximity<const D: usize>(scene: &ParticleScene) -> Result<Proximity<D>, CouplerError> {
-    let corners = |wall: &Wall| -> Result<[Vector<D>; D], CouplerError> {
-        let corners = wall.corners.iter();
-        let corners = corners
-            .map(|corner| door::vector(corner, "wall"))
-            .collect::<Result<Vec<_>, _>>()?;
-        <[Vector<D>; D]>::try_from(&corners[..])
-            .map_err(|_| door::wrong_count("wall", corners.len(), D))
-    };
     Ok(Proximity {
-        walls: scene.walls.iter().map(corners).collect::<Result<_, _>>()?,
+        walls: scene
+            .walls
+            .iter()
+            .map(door::corners)
+            .collect::<Result<_, _>>()?,
         period: door::period(&scene.period)?,
     })
 }

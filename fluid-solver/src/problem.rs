@@ -99,6 +99,11 @@ where
         })
     }
 
+    /// What holds at the boundary.
+    pub fn constraints(&self) -> &Constraints<D> {
+        &self.constraints
+    }
+
     /// Count costs from now on.
     pub fn forget_cost(&mut self) {
         self.cost = Cost::default();

@@ -3,9 +3,11 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use protocol::engine::{Computed, FluidEngine, Inputs, MeshDescription, Outputs};
+use protocol::engine::{Computed, FacetDescription, FluidEngine, Inputs, MeshDescription, Outputs};
 use protocol::field::Field;
-use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
+use protocol::message::{
+    Advance, BoundaryKind, Capability, Diagnostic, Failure, FailureKind, MeshBoundary,
+};
 use protocol::report::FluidReport;
 use protocol::scene::{self, CREEPING_REYNOLDS, Convection, FluidScene, MeshSource, fixed};
 
@@ -66,13 +68,15 @@ impl FluidEngine for Engine {
             }
         }
         .map_err(refuse)?;
-        let description = describe(&mesh);
+        let mut description = describe(&mesh);
         tracing::info!(
             nodes = mesh.node_count(),
             triangles = mesh.simplices.len(),
             "mesh"
         );
-        self.solver = Some(FluidSolver::new(config, mesh).map_err(refuse)?);
+        let solver = FluidSolver::new(config, mesh).map_err(refuse)?;
+        description.facets = describe_facets(&solver);
+        self.solver = Some(solver);
         Ok(description)
     }
 
@@ -218,6 +222,7 @@ fn condition(boundary: &scene::Boundary<[f64; 2]>) -> Condition<2> {
             scene::Profile::Parabolic => Condition::Parabolic((*velocity).into()),
         },
         scene::Boundary::Open { pressure } => Condition::Open(*pressure),
+        scene::Boundary::MovingWall { velocity } => Condition::MovingWall((*velocity).into()),
     }
 }
 
@@ -262,6 +267,47 @@ fn describe(mesh: &Mesh<2, 3>) -> MeshDescription {
         simplex_position: flat::numbers(mesh.corners.as_flattened()).to_vec(),
         nodal_mass: mesh.nodal_mass.clone(),
         period: mesh.period.to_vec(),
+        facets: FacetDescription::default(),
+    }
+}
+
+/// Its boundary; sides that are joined have none.
+fn describe_facets(solver: &FluidSolver<2, 3>) -> FacetDescription {
+    let (mesh, constraints) = (solver.mesh(), solver.constraints());
+    let names = mesh.boundary_names.iter().enumerate();
+    let boundaries = names.filter_map(|(number, name)| {
+        let kind = kind(constraints.condition(number))?;
+        let name = name.clone();
+        Some((number, MeshBoundary { name, kind }))
+    });
+    let (numbers, boundaries): (Vec<usize>, Vec<MeshBoundary>) = boundaries.unzip();
+    let mut told = FacetDescription {
+        boundaries,
+        ..FacetDescription::default()
+    };
+    for facet in &mesh.facets {
+        let of_facet = numbers.iter().position(|&number| number == facet.boundary);
+        let Some(boundary) = of_facet else { continue };
+        let corners = facet.corner.map(|k| mesh.corners[facet.simplex][k]);
+        told.position.extend_from_slice(flat::numbers(&corners));
+        told.boundary.push(boundary as u32);
+        let velocity = constraints.given_velocity(mesh, facet);
+        told.velocity.extend(velocity.iter());
+    }
+    told
+}
+
+/// What a condition makes of its boundary; none where sides are joined.
+fn kind(condition: &Condition<2>) -> Option<BoundaryKind> {
+    match condition {
+        Condition::NoSlip => Some(BoundaryKind::NoSlip),
+        Condition::Slip => Some(BoundaryKind::Slip),
+        Condition::Periodic => None,
+        Condition::Uniform(_) | Condition::Parabolic(_) | Condition::Function(_) => {
+            Some(BoundaryKind::Inflow)
+        }
+        Condition::Open(_) => Some(BoundaryKind::Open),
+        Condition::MovingWall(_) => Some(BoundaryKind::MovingWall),
     }
 }
 

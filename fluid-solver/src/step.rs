@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use space::{Dim, Dimension};
 
+use crate::boundary::constraints::Constraints;
 use crate::candidate::{Candidate, Request};
 use crate::config::FluidConfig;
 use crate::error::FluidError;
@@ -41,6 +42,11 @@ where
     /// The mesh.
     pub fn mesh(&self) -> &Mesh<D, N> {
         &self.problem.mesh
+    }
+
+    /// What holds at its boundary.
+    pub fn constraints(&self) -> &Constraints<D> {
+        self.problem.constraints()
     }
 
     /// The accepted state.

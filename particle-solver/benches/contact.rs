@@ -39,9 +39,7 @@ fn settled(count: usize, columns: usize, friction: f64, steps: u64) -> ContactEn
         position.push(Vector::from([x, 1.22 * ((place / columns) as f64 + 0.5)]));
     }
     let width = 1.22 * columns as f64;
-    let wall = |a: [f64; 2], b: [f64; 2]| Facet {
-        corners: [a, b].map(Vector::from),
-    };
+    let wall = |a: [f64; 2], b: [f64; 2]| Facet::at_rest([a, b].map(Vector::from));
     let setup = Setup {
         gravity: Vector::from([0.0, -9.81]),
         walls: vec![
@@ -125,7 +123,8 @@ fn unit_costs(criterion: &mut Criterion) {
             },
             inertia_factor: 0.5,
         };
-        let mut system = System::assemble(grains, &material, &loads, &free, &pairs);
+        let mut system =
+            System::assemble(grains, &material, &loads, &free, (&pairs, walls.grounds()));
         group.throughput(Throughput::Elements(pairs.len() as u64));
         group.bench_function(format!("sweep, friction {friction}"), |bencher| {
             bencher.iter(|| sweep(&mut system, RELAXATION));

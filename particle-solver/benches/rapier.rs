@@ -97,9 +97,7 @@ fn print_row(row: &Row, outcome: &Outcome, grains: &Grains, reference: &Outcome,
 }
 
 fn setup(open: bool, tolerance: f64) -> Setup<2> {
-    let wall = |a: [f64; 2], b: [f64; 2]| Facet {
-        corners: [a, b].map(Vector::from),
-    };
+    let wall = |a: [f64; 2], b: [f64; 2]| Facet::at_rest([a, b].map(Vector::from));
     let mut walls = vec![wall([0.0, 1e3], [0.0, 0.0]), wall([0.0, 0.0], [1e3, 0.0])];
     if !open {
         walls[1] = wall([0.0, 0.0], [WIDTH, 0.0]);

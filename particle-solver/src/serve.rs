@@ -46,6 +46,7 @@ impl ParticleEngine for Engine {
             Capability::ImplicitDrag,
             Capability::ContactState,
             Capability::Checkpoint,
+            Capability::MovingWalls,
         ]
     }
 
@@ -180,8 +181,13 @@ fn facet<const D: usize>(wall: &Wall) -> Result<Facet<D>, String> {
     let corners = wall.corners.iter();
     let corners: Result<Vec<[f64; D]>, String> = corners.map(|corner| fixed(corner)).collect();
     let corners = fixed::<D, [f64; D]>(&corners?)?;
+    let velocity = match &wall.velocity {
+        Some(velocity) => fixed(velocity)?,
+        None => [0.0; D],
+    };
     Ok(Facet {
         corners: corners.map(Vector::from),
+        velocity: velocity.into(),
     })
 }
 

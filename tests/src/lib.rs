@@ -20,6 +20,7 @@ use tracing_subscriber::util::SubscriberInitExt;
 pub mod arguments;
 pub mod exchange;
 pub mod grains;
+pub mod meshes;
 pub mod recorded;
 pub mod reference;
 
@@ -122,6 +123,7 @@ pub fn scene(
         fluid,
         particles,
         grains_stay: false,
+        grain_boundaries: None,
         grains_file: None,
         scheme: Scheme::Iterated {
             tolerance: 1e-3,

@@ -10,3 +10,4 @@ mod one_grain;
 mod packing;
 mod replay;
 mod settling;
+mod walls;

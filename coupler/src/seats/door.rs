@@ -5,6 +5,7 @@ use protocol::field::Field;
 use protocol::message::Capability;
 use protocol::partner::Partner;
 use protocol::process;
+use protocol::scene::Wall;
 use space::{Vector, flat};
 
 use crate::error::CouplerError;
@@ -12,7 +13,7 @@ use crate::state::{Contact, Grains};
 use crate::transfer::mesh::Mesh;
 
 /// Flat numbers as vectors.
-pub(super) fn vectors<const D: usize>(
+pub fn vectors<const D: usize>(
     numbers: &[f64],
     what: &str,
 ) -> Result<Vec<Vector<D>>, CouplerError> {
@@ -25,6 +26,16 @@ pub(super) fn vectors<const D: usize>(
 /// One vector of a scene.
 pub fn vector<const D: usize>(numbers: &[f64], what: &str) -> Result<Vector<D>, CouplerError> {
     flat::vector(numbers).ok_or_else(|| wrong_count(what, numbers.len(), D))
+}
+
+/// Corners of a wall.
+pub fn corners<const D: usize>(wall: &Wall) -> Result<[Vector<D>; D], CouplerError> {
+    let corners = wall.corners.iter();
+    let corners = corners
+        .map(|corner| vector(corner, "wall"))
+        .collect::<Result<Vec<_>, _>>()?;
+    let count = corners.len();
+    <[Vector<D>; D]>::try_from(corners).map_err(|_| wrong_count("wall", count, D))
 }
 
 /// Numbers that are no vectors of `dimension` components.

@@ -65,6 +65,7 @@ impl<const D: usize> ParticleSeat<D> {
         unread: &[Field],
         tolerance: f64,
     ) -> Result<(ParticleSeat<D>, Grains<D>), CouplerError> {
+        can_move_walls(&partner, scene)?;
         let told = partner.configure_particles(scene, grains)?;
         let engine = Engine {
             withheld: withhold(&mut partner, unread)?,
@@ -198,6 +199,21 @@ impl Engine {
         self.wall += begin.elapsed().as_secs_f64();
         Ok(candidate)
     }
+}
+
+/// An engine that does not say that it can would take a wall that moves for one at rest.
+fn can_move_walls(partner: &Partner, scene: &ParticleScene) -> Result<(), CouplerError> {
+    let moves = scene.walls.iter().any(|wall| wall.velocity.is_some());
+    if !moves || scene.wall_friction == 0.0 || can(partner, Capability::MovingWalls) {
+        return Ok(());
+    }
+    let engine = &partner.hello().engine;
+    Err(CouplerError::Walls {
+        why: format!(
+            "the particle engine {engine} knows no walls that move: take another one, or set \
+             contact.wall_friction = 0.0"
+        ),
+    })
 }
 
 /// What an engine would answer for grains that are all fixed.

@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex};
 
 use coupler::simulation::Simulation;
 use protocol::engine::{
-    Computed, FluidEngine, InitialGrains, Inputs, MeshDescription, Outputs, ParticleEngine,
+    Computed, FacetDescription, FluidEngine, InitialGrains, Inputs, MeshDescription, Outputs,
+    ParticleEngine,
 };
 use protocol::field::Field;
 use protocol::local::{LIMITS, spawn_fluid, spawn_particles};
@@ -37,6 +38,7 @@ impl FluidEngine for Still {
             simplex_position: vec![0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 1.0],
             nodal_mass: vec![1.0 / 3.0, 1.0 / 6.0, 1.0 / 3.0, 1.0 / 6.0],
             period: vec![None, None],
+            facets: FacetDescription::default(),
         })
     }
     fn advance(
@@ -152,6 +154,7 @@ fn scene(scheme: Scheme) -> CouplerScene {
         fluid: Some(fluid),
         particles: Some(particles),
         grains_stay: false,
+        grain_boundaries: None,
         grains_file: None,
         scheme,
         drag: DragLaw::Stokes,

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use protocol::engine::{Computed, FluidEngine, Inputs, MeshDescription, Outputs};
+use protocol::engine::{Computed, FacetDescription, FluidEngine, Inputs, MeshDescription, Outputs};
 use protocol::field::Field;
 use protocol::message::{Advance, Capability, Failure, FailureKind};
 use protocol::report::FluidReport;
@@ -90,6 +90,7 @@ impl FluidEngine for Engine {
             simplex_position: self.mesh.corners.as_flattened().to_vec(),
             nodal_mass: self.mesh.mass.clone(),
             period: vec![length(0), length(1)],
+            facets: FacetDescription::default(),
         })
     }
 

@@ -27,6 +27,8 @@ pub enum Condition<const D: usize> {
     Function(Arc<VelocityFunction<D>>),
     /// Pressure at the highest point \[Pa\], hydrostatic along the boundary.
     Open(f64),
+    /// A wall that moves along itself at this velocity \[m/s\].
+    MovingWall(Vector<D>),
 }
 
 impl<const D: usize> Condition<D> {
@@ -39,14 +41,18 @@ impl<const D: usize> Condition<D> {
     pub fn carries_fluid(&self) -> bool {
         match self {
             Condition::Uniform(_) | Condition::Parabolic(_) | Condition::Function(_) => true,
-            Condition::NoSlip | Condition::Slip | Condition::Periodic | Condition::Open(_) => false,
+            Condition::NoSlip
+            | Condition::Slip
+            | Condition::Periodic
+            | Condition::Open(_)
+            | Condition::MovingWall(_) => false,
         }
     }
 
     /// Is it a wall, which the fluid presses and shears?
     pub fn is_wall(&self) -> bool {
         match self {
-            Condition::NoSlip | Condition::Slip => true,
+            Condition::NoSlip | Condition::Slip | Condition::MovingWall(_) => true,
             Condition::Periodic
             | Condition::Uniform(_)
             | Condition::Parabolic(_)
@@ -58,7 +64,7 @@ impl<const D: usize> Condition<D> {
     /// The velocity where it is given, before a profile's factor \[m/s\].
     pub fn velocity(&self, at: &Vector<D>, time: f64) -> Vector<D> {
         match self {
-            Condition::Uniform(u) | Condition::Parabolic(u) => *u,
+            Condition::Uniform(u) | Condition::Parabolic(u) | Condition::MovingWall(u) => *u,
             Condition::Function(u) => u(*at, time),
             Condition::NoSlip | Condition::Slip | Condition::Periodic | Condition::Open(_) => {
                 Vector::zeros()
@@ -77,6 +83,7 @@ impl<const D: usize> std::fmt::Debug for Condition<D> {
             Condition::Parabolic(u) => write!(f, "Parabolic({:?})", u.as_slice()),
             Condition::Function(_) => f.write_str("Function"),
             Condition::Open(p) => write!(f, "Open({p})"),
+            Condition::MovingWall(u) => write!(f, "MovingWall({:?})", u.as_slice()),
         }
     }
 }

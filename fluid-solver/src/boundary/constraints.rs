@@ -11,7 +11,7 @@ use space::{Dim, Dimension, Vector, hypot};
 use super::condition::Condition;
 use super::frame::Frame;
 use super::node::NodeVelocity;
-use super::{inflow, open, slip};
+use super::{inflow, moving, open, slip};
 use crate::error::FluidError;
 use crate::mesh::facet::BoundaryFacet;
 use crate::mesh::simplices::Mesh;
@@ -48,6 +48,7 @@ impl<const D: usize> Constraints<D> {
     where
         Dim<D>: Dimension<D>,
     {
+        moving::check(mesh, &conditions)?;
         let mut velocity = strongest(mesh, &conditions)?;
         slip::find_normals(mesh, &conditions, &mut velocity);
         inflow::find_factors(mesh, &conditions, &mut velocity)?;
@@ -155,6 +156,18 @@ impl<const D: usize> Constraints<D> {
             }
         }
         Ok(flux)
+    }
+
+    /// Velocity that the boundary gives at the middle of a facet when a run begins \[m/s\]; zero where it
+    /// gives none.
+    pub fn given_velocity<const N: usize>(
+        &self,
+        mesh: &Mesh<D, N>,
+        facet: &BoundaryFacet<D>,
+    ) -> Vector<D> {
+        let corners = facet.corner.map(|k| mesh.corners[facet.simplex][k]);
+        let middle = corners[1..].iter().fold(corners[0], |sum, x| sum + x) / D as f64;
+        self.conditions[facet.boundary].velocity(&middle, 0.0)
     }
 
     /// Condition of a boundary.

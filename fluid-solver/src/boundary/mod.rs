@@ -3,12 +3,13 @@
 //! * [`condition`]: a condition, by the name of its boundary
 //! * [`frame`]: velocity unknowns along a wall
 //! * [`constraints`]: what is known about the unknowns of every node
-//! * `slip`, `inflow`, `open`: where that comes from
+//! * `slip`, `inflow`, `moving`, `open`: where that comes from
 
 pub mod condition;
 pub mod constraints;
 pub mod frame;
 mod inflow;
+mod moving;
 mod node;
 mod open;
 mod slip;

@@ -2,7 +2,7 @@
 //! will be.
 //!
 //! Read in four steps: text (`document`), keys (`keys`, `read`), ranges (`check`), and resolution
-//! of what is relative or left out (`boundaries`, `walls`, `grains`, `resolve`). Problems carry file,
+//! of what is relative or left out (`boundaries`, `walls`, `outline`, `grains`, `resolve`). Problems carry file,
 //! line, key and what is allowed; all range problems of a scene are reported at once. `plan` tells
 //! which processes, terms and fields the scene needs.
 
@@ -14,12 +14,15 @@ pub mod grains;
 pub mod keys;
 mod load;
 pub mod mesh_names;
+mod mesh_outline;
+mod outline;
 pub mod plan;
 pub mod problem;
 pub mod read;
 pub mod record;
 pub mod resolve;
 mod scene;
+mod sides;
 pub mod walls;
 
 pub use error::Error;

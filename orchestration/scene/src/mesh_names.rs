@@ -23,14 +23,14 @@ pub fn boundary_names(path: &Path) -> Result<Vec<String>, String> {
 }
 
 /// Text between $Name and $EndName.
-fn section<'a>(text: &'a str, name: &str) -> Option<&'a str> {
+pub(crate) fn section<'a>(text: &'a str, name: &str) -> Option<&'a str> {
     let start = text.find(&format!("${name}"))? + name.len() + 1;
     let length = text[start..].find(&format!("$End{name}"))?;
     Some(&text[start..start + length])
 }
 
 /// Number and name of each physical group of dimension 1: lines `1 7 "inlet"`.
-fn physical_curves(section: &str) -> BTreeMap<i64, String> {
+pub(crate) fn physical_curves(section: &str) -> BTreeMap<i64, String> {
     section
         .lines()
         .filter_map(|line| {

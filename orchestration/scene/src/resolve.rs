@@ -1,18 +1,23 @@
 //! What is relative or left out becomes definite: the scene that processes receive.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use protocol::scene::{
-    Convection, CouplerScene, FluidScene, Geometry, Limits, MeshSource, ParticleScene, Scheme,
+    Boundary, Convection, CouplerScene, FluidScene, Geometry, Limits, MeshSource, ParticleScene,
+    Scheme,
 };
 
 use crate::boundaries;
 use crate::check::Checker;
 use crate::document::Document;
 use crate::grains::{self, GrainTable};
-use crate::keys::{Coupling, Fluid, SceneFile};
+use crate::keys::{Coupling, Fluid, Rectangle, SceneFile};
 use crate::mesh_names::boundary_names;
+use crate::mesh_outline;
+use crate::outline::Outline;
 use crate::scene::Scene;
+use crate::sides::Sides;
 use crate::walls::{self, GrainRoom};
 
 /// Of the space of every scene so far.
@@ -43,14 +48,30 @@ pub fn resolve(
         .map_or(&no_boundaries, |fluid| &fluid.boundaries);
     let room = walls::room(&keys, rectangle, conditions);
     let walls = walls::walls(&keys, room.as_ref(), checker);
+    let outline = outline(&keys, &folder, rectangle, conditions);
+    let mut warnings = warnings(&keys);
+    if let Some(outline) = &outline {
+        let sides = Sides {
+            scene: &keys,
+            rectangle,
+            boundaries: conditions,
+            outline,
+            walls: &walls,
+        };
+        sides.check(checker);
+        warnings.extend(sides.warnings());
+    }
     let table = if checker.problems.is_empty() {
-        grains::generate(&keys.grains, &folder, room.as_ref(), checker)
+        let places = (room.as_ref(), outline.as_ref());
+        grains::generate(&keys.grains, &folder, places, checker)
     } else {
         GrainTable::default()
     };
     let particles =
         (!keys.grains.is_empty()).then(|| particle_part(&keys, walls, room.as_ref(), threads));
+    let grain_boundaries = walls::of_mesh(&keys, conditions);
     let mut coupler = coupler_part(&keys, fluid, particles);
+    coupler.grain_boundaries = grain_boundaries;
     coupler.grains_stay = keys.run.leave_out
         && coupler.fluid.is_some()
         && keys.engines.particles.is_none()
@@ -60,7 +81,7 @@ pub fn resolve(
         folder,
         text: document.text().to_string(),
         leave_out: keys.run.leave_out,
-        warnings: warnings(&keys),
+        warnings,
         coupler,
         grains: table,
         engines: keys.engines,
@@ -144,6 +165,22 @@ fn mesh_part(
     )
 }
 
+/// The outline of the fluid; none without one, or where its mesh cannot be read.
+fn outline(
+    keys: &SceneFile,
+    folder: &Path,
+    rectangle: Option<&Rectangle>,
+    conditions: &BTreeMap<String, Boundary>,
+) -> Option<Outline> {
+    let domain = &keys.fluid.as_ref()?.domain;
+    if let Some(Rectangle { lower, upper, .. }) = rectangle {
+        let periodic = ["left", "bottom"].map(|s| conditions.get(s) == Some(&Boundary::Periodic));
+        return Some(Outline::of_rectangle(*lower, *upper, periodic));
+    }
+    let edges = mesh_outline::edges(&folder.join(domain.mesh.as_ref()?))?;
+    Some(Outline::new(edges, [false; 2]))
+}
+
 fn particle_part(
     keys: &SceneFile,
     walls: Vec<protocol::scene::Wall>,
@@ -196,6 +233,7 @@ fn coupler_part(
         adaptive: coupling.adaptive,
         gravity: keys.gravity.acceleration.to_vec(),
         grains_stay: false,
+        grain_boundaries: None,
         grains_file: particles.is_some().then(|| GRAINS_FILE.to_string()),
         fluid,
         particles,

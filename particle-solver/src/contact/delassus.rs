@@ -18,6 +18,7 @@ use crate::contact::impulses::Pair;
 use crate::contact::law::{EffectiveMass, Friction, Local, closing_speed};
 use crate::contact::loads::{FreeMotion, Loads};
 use crate::grains::Grains;
+use crate::walls::grounds::Grounds;
 
 /// A body of the contact problem; one cache line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,10 +41,10 @@ impl<const D: usize> Body<D>
 where
     Dim<D>: Dimension<D>,
 {
-    /// One that does not move, like the ground.
-    fn still() -> Body<D> {
+    /// One that nothing accelerates, like the ground.
+    fn steady(velocity: Vector<D>) -> Body<D> {
         Body {
-            velocity: Vector::zeros(),
+            velocity,
             surface: Spin::<D>::default(),
             inverse_mass: 0.0,
             inverse_inertia: 0.0,
@@ -60,7 +61,7 @@ where
 {
     /// Body that the normal points to.
     pub first: u32,
-    /// Body that the normal comes from; the last body is the ground.
+    /// Body that the normal comes from; bodies after the grains are the grounds.
     pub second: u32,
     /// Unit normal.
     pub normal: Vector<D>,
@@ -78,8 +79,10 @@ pub struct System<const D: usize>
 where
     Dim<D>: Dimension<D>,
 {
-    /// One a grain, and the ground.
+    /// One a grain, then the grounds.
     pub bodies: Vec<Body<D>>,
+    /// Number of the first ground.
+    pub ground: u32,
     /// Contacts of all pairs.
     pub contacts: Vec<Contact<D>>,
     /// 1/(δt F_c) of each contact \[1/(N s)\], see `residual`.
@@ -109,10 +112,11 @@ where
         material: &Material,
         loads: &Loads<'_, D>,
         free: &FreeMotion<D>,
-        pairs: &[Pair<D>],
+        (pairs, grounds): (&[Pair<D>], &Grounds<D>),
     ) -> System<D> {
         let count = grains.count();
-        let mut bodies = vec![Body::still(); count + 1];
+        let mut bodies = vec![Body::steady(Vector::zeros()); count];
+        bodies.extend(grounds.velocity.iter().map(|v| Body::steady(*v)));
         for (grain, body) in bodies[..count].iter_mut().enumerate() {
             body.velocity = free.velocity[grain];
             if !grains.fixed[grain] {
@@ -123,7 +127,14 @@ where
         }
         let contacts = pairs
             .iter()
-            .map(|pair| Contact::new(&bodies, pair, loads.dt))
+            .map(|pair| {
+                let second = pair.key.second as usize;
+                let second = match second.checked_sub(count) {
+                    Some(feature) => count as u32 + grounds.of(feature),
+                    None => pair.key.second,
+                };
+                Contact::new(&bodies, pair, second, count as u32, loads.dt)
+            })
             .collect();
         let free = bodies
             .iter()
@@ -131,6 +142,7 @@ where
             .collect();
         System {
             bodies,
+            ground: count as u32,
             contacts,
             weights: Vec::new(),
             free,
@@ -146,7 +158,7 @@ where
     /// μ of a contact.
     #[inline]
     pub fn friction_of(&self, contact: &Contact<D>) -> f64 {
-        if contact.second as usize + 1 == self.bodies.len() {
+        if contact.second >= self.ground {
             self.friction.walls
         } else {
             self.friction.grains
@@ -200,16 +212,20 @@ impl<const D: usize> Contact<D>
 where
     Dim<D>: Dimension<D>,
 {
-    fn new(bodies: &[Body<D>], pair: &Pair<D>, dt: f64) -> Contact<D> {
-        let ground = bodies.len() as u32 - 1;
-        let (first, second) = (pair.key.first, pair.key.second.min(ground));
+    fn new(bodies: &[Body<D>], pair: &Pair<D>, second: u32, ground: u32, dt: f64) -> Contact<D> {
+        let first = pair.key.first;
         let (one, two) = (&bodies[first as usize], &bodies[second as usize]);
         let normal = one.inverse_mass + two.inverse_mass;
+        // A wall stays where it is: what its velocity has along the normal is round-off, or a ridge's.
+        let stays = match second >= ground {
+            true => dot(&two.velocity, &pair.normal),
+            false => 0.0,
+        };
         Contact {
             first,
             second,
             normal: pair.normal,
-            closing_speed: closing_speed(pair.gap, dt),
+            closing_speed: closing_speed(pair.gap, dt) + stays,
             impulse: Local::default(),
             mass: EffectiveMass {
                 normal: 1.0 / normal,

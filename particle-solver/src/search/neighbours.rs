@@ -243,9 +243,7 @@ mod tests {
     /// The sides of the unit square.
     fn square() -> Vec<Facet<2>> {
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(Vector::from);
-        let side = |k: usize| Facet {
-            corners: [corners[k], corners[(k + 1) % 4]],
-        };
+        let side = |k: usize| Facet::at_rest([corners[k], corners[(k + 1) % 4]]);
         (0..4).map(side).collect()
     }
 
@@ -266,7 +264,7 @@ mod tests {
                     corners.reverse();
                 }
                 let [a, b, c, d] = corners.map(|[u, v]| corner(u, v));
-                facets.extend([[a, b, c], [a, c, d]].map(|corners| Facet { corners }));
+                facets.extend([[a, b, c], [a, c, d]].map(Facet::at_rest));
             }
         }
         facets

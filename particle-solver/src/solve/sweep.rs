@@ -19,13 +19,13 @@ where
     Dim<D>: Dimension<D>,
 {
     let rough = system.has_friction();
-    let (friction, ground) = (system.friction, system.bodies.len() as u32 - 1);
+    let (friction, ground) = (system.friction, system.ground);
     let System {
         bodies, contacts, ..
     } = system;
     if rough {
         let visit = |contact: &mut Contact<D>| {
-            let friction = if contact.second == ground {
+            let friction = if contact.second >= ground {
                 friction.walls
             } else {
                 friction.grains

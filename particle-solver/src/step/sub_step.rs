@@ -99,7 +99,8 @@ where
     let mut sweeps = 0;
     let mut last = Pushed::default();
     for attempts in 1..=ATTEMPTS_MAX {
-        let mut system = System::assemble(stage.grains, &stage.material, loads, &free, &pairs);
+        let touching = (&pairs[..], stage.walls.grounds());
+        let mut system = System::assemble(stage.grains, &stage.material, loads, &free, touching);
         system.set_weights(stage.grains, loads, &state.velocity);
         let mut outcome = solve(&mut system, &start, stage.goal, stage.sweeps_max);
         sweeps += outcome.sweeps;

@@ -1,7 +1,7 @@
 //! A flat piece of wall, seen by the grains.
 
 use space::dimension::factorial;
-use space::{Dim, Dimension, Vector, dot, norm};
+use space::{Dim, Dimension, Vector, dot, hypot, norm};
 
 /// A wall with these corners \[m\]: in the plane the segment a → b, solid on its right; in space a
 /// triangle, solid on the side from which its corners are seen counter-clockwise.
@@ -9,6 +9,18 @@ use space::{Dim, Dimension, Vector, dot, norm};
 pub struct Facet<const D: usize> {
     /// Its corners.
     pub corners: [Vector<D>; D],
+    /// At which it moves along itself \[m/s\].
+    pub velocity: Vector<D>,
+}
+
+impl<const D: usize> Facet<D> {
+    /// A wall that does not move.
+    pub fn at_rest(corners: [Vector<D>; D]) -> Facet<D> {
+        Facet {
+            corners,
+            velocity: Vector::zeros(),
+        }
+    }
 }
 
 /// A facet, prepared.
@@ -18,10 +30,14 @@ pub struct Face<const D: usize> {
     pub middle: Vector<D>,
     /// Unit normal, towards the grains.
     pub normal: Vector<D>,
+    /// At which it moves along itself \[m/s\].
+    pub velocity: Vector<D>,
     /// Side k begins at corner k: the corner itself in the plane, the edge to the next one in space.
     pub sides: [Side<D>; D],
     /// Corners from the middle \[m\].
-    corners: [Vector<D>; D],
+    pub corners: [Vector<D>; D],
+    /// From the middle to the farthest of them \[m\].
+    pub extent: f64,
 }
 
 /// Where a face ends.
@@ -31,8 +47,9 @@ pub struct Side<const D: usize> {
     pub inward: Vector<D>,
     /// From the middle of the face \[m\].
     pub distance: f64,
-    /// The wall goes on towards the grains here (a concave corner): the face reaches beyond it.
-    pub extended: bool,
+    /// The wall goes on towards the grains here (a concave corner): the face reaches beyond it, as far as
+    /// this at most \[m\].
+    pub extended: Option<f64>,
 }
 
 impl<const D: usize> Face<D>
@@ -53,15 +70,26 @@ where
             Side {
                 inward,
                 distance: size * (D - 1) as f64 / (side_size * D as f64),
-                extended: false,
+                extended: None,
             }
         });
         Ok(Face {
             middle,
             normal: normal * (1.0 / norm(&normal)),
+            velocity: facet.velocity,
             sides,
             corners: corners.map(|corner| corner - middle),
+            extent: corners
+                .map(|c| norm(&(c - middle)))
+                .into_iter()
+                .fold(0.0, f64::max),
         })
+    }
+
+    /// Does it move along itself, but for round-off?
+    pub fn moves_along(&self) -> bool {
+        const ASIDE: f64 = 1e-6;
+        dot(&self.velocity, &self.normal).abs() <= ASIDE * hypot(&self.velocity)
     }
 
     /// Above the face \[m\].

@@ -2,13 +2,16 @@
 //!
 //! A ridge acts only on grains that no meeting facet faces, so a floor made of many facets is smooth
 //! to a rolling grain. Where two facets meet in a concave corner, both reach beyond it, so a grain
-//! meets the next face before it is over it.
+//! meets the next face before it is over it; but no farther than over faces that rise one from the other
+//! ([`concave`](super::concave)), or they would stick out where the wall turns away.
 
 use space::periodic::{Image, each_image, shifted, shortest_image};
 use space::{Dim, Dimension, Period, Vector, dot, norm};
 
 use crate::error::Error;
-use crate::walls::facet::{Face, Facet, side_of};
+use crate::walls::concave::beyond;
+use crate::walls::facet::{Face, Facet, middle, side_of};
+use crate::walls::grounds::Grounds;
 use crate::walls::ridge::{Ridge, SAME};
 
 /// A grain near a wall.
@@ -39,7 +42,7 @@ impl<const D: usize> Over<'_, D> {
     pub fn leaves(&self, moved: &Vector<D>) -> bool {
         let sides = self.face.sides.iter().zip(self.left);
         sides
-            .filter(|(side, _)| !side.extended)
+            .filter(|(side, _)| side.extended.is_none())
             .any(|(side, left)| -dot(moved, &side.inward) > left)
     }
 }
@@ -49,6 +52,7 @@ impl<const D: usize> Over<'_, D> {
 pub struct Walls<const D: usize> {
     faces: Vec<Face<D>>,
     ridges: Vec<Ridge<D>>,
+    grounds: Grounds<D>,
     period: Period<D>,
     /// How far faces reach beyond their corners where they reach 1 beyond their sides.
     spread: f64,
@@ -68,16 +72,24 @@ where
                     "wall {number} with corners {corners:?} has size {size}, must be positive and finite"
                 ))
             })?;
+            if !face.moves_along() {
+                let velocity = facet.velocity.as_slice();
+                return Err(Error::Setup(format!(
+                    "wall {number} moves at {velocity:?} m/s, which is not along it"
+                )));
+            }
             faces.push(face);
         }
         let spread = faces.iter().map(Face::spread).fold(1.0, f64::max);
         let mut walls = Walls {
             faces,
             ridges: Vec::new(),
+            grounds: Grounds::default(),
             period: *period,
             spread,
         };
         walls.join(facets);
+        walls.tell_grounds(facets);
         Ok(walls)
     }
 
@@ -96,22 +108,45 @@ where
             for k in 0..D {
                 let inward = self.faces[number].sides[k].inward;
                 let ends = side_of(&facet.corners, k);
-                ridge_of_side.push(self.add_ridge(&ends, inward, tolerance));
+                ridge_of_side.push(self.add_ridge(&ends, number, inward, tolerance));
             }
         }
         self.extend_concave_sides(&ridge_of_side);
-        for facet in facets {
+        for (number, facet) in facets.iter().enumerate() {
             for &[k, l] in Dim::<D>::FACET_EDGES {
                 let edge = facet.corners[l] - facet.corners[k];
                 let unit = edge * (1.0 / norm(&edge));
-                self.add_ridge(&[facet.corners[k]], unit, tolerance);
-                self.add_ridge(&[facet.corners[l]], -unit, tolerance);
+                self.add_ridge(&[facet.corners[k]], number, unit, tolerance);
+                self.add_ridge(&[facet.corners[l]], number, -unit, tolerance);
             }
         }
     }
 
+    /// What a grain rubs on: a face at its velocity, a ridge at the mean of the faces that meet there.
+    fn tell_grounds(&mut self, facets: &[Facet<D>]) {
+        let velocities = facets.iter().map(|facet| facet.velocity);
+        let mut of_feature: Vec<Vector<D>> = velocities.collect();
+        for ridge in &self.ridges {
+            let meeting: Vec<Vector<D>> = ridge.faces.iter().map(|&f| of_feature[f]).collect();
+            let same = meeting.iter().all(|velocity| *velocity == meeting[0]);
+            of_feature.push(if same { meeting[0] } else { middle(&meeting) });
+        }
+        self.grounds = Grounds::new(&of_feature);
+    }
+
+    /// What grains rub on.
+    pub fn grounds(&self) -> &Grounds<D> {
+        &self.grounds
+    }
+
     /// Number of the ridge with these ends, a new one if there was none.
-    fn add_ridge(&mut self, ends: &[Vector<D>], inward: Vector<D>, tolerance: f64) -> usize {
+    fn add_ridge(
+        &mut self,
+        ends: &[Vector<D>],
+        face: usize,
+        inward: Vector<D>,
+        tolerance: f64,
+    ) -> usize {
         let ridge = Ridge::new(ends);
         let is = |old: &Ridge<D>| old.is(&ridge, &self.period, tolerance);
         let number = self.ridges.iter().position(is).unwrap_or_else(|| {
@@ -119,6 +154,7 @@ where
             self.ridges.len() - 1
         });
         self.ridges[number].inward.push(inward);
+        self.ridges[number].faces.push(face);
         number
     }
 
@@ -127,6 +163,7 @@ where
         let rises = |from: &Face<D>, to: &Face<D>, side: usize| {
             dot(&from.normal, &to.sides[side].inward) > SAME
         };
+        let mut rising = vec![Vec::new(); ridge_of_side.len()];
         for (place, ridge) in ridge_of_side.iter().enumerate() {
             let (first, k) = (place / D, place % D);
             for (other, _) in ridge_of_side
@@ -137,9 +174,18 @@ where
                 let (second, l) = (other / D, other % D);
                 let (one, two) = (&self.faces[first], &self.faces[second]);
                 if rises(one, two, l) && rises(two, one, k) {
-                    self.faces[first].sides[k].extended = true;
+                    rising[place].push(second);
                 }
             }
+        }
+        let periodic = self.period.iter().any(Option::is_some);
+        for place in 0..rising.len() {
+            let beyond = match periodic {
+                _ if rising[place].is_empty() => continue,
+                true => f64::INFINITY,
+                false => beyond(&self.faces, &rising, place),
+            };
+            self.faces[place / D].sides[place % D].extended = Some(beyond);
         }
     }
 
@@ -148,7 +194,9 @@ where
         let mut nearest = f64::INFINITY;
         for face in &self.faces {
             self.each_offset(centre, &face.middle, |offset, _| {
-                nearest = nearest.min(face.distance(&offset));
+                if norm(&offset) - face.extent < nearest {
+                    nearest = nearest.min(face.distance(&offset));
+                }
             });
         }
         nearest
@@ -240,7 +288,10 @@ where
     let left = face.left(offset);
     let beyond = face.sides.iter().zip(left).any(|(side, left)| {
         let slack = 1e-9 * side.distance;
-        left < -if side.extended { radius + reach } else { slack }
+        left < -match side.extended {
+            Some(beyond) => (radius + reach).min(beyond + slack),
+            None => slack,
+        }
     });
     (!beyond).then_some((height - radius, Over { face, left }))
 }

@@ -17,6 +17,8 @@ pub struct Ridge<const D: usize> {
     along: Option<(Vector<D>, f64)>,
     /// Unit vectors from it into the facets (from a corner in space: along the edges) that meet there.
     pub inward: Vec<Vector<D>>,
+    /// Numbers of those facets, one each time.
+    pub faces: Vec<usize>,
 }
 
 impl<const D: usize> Ridge<D>
@@ -34,6 +36,7 @@ where
             middle: middle(ends),
             along,
             inward: Vec::new(),
+            faces: Vec::new(),
         }
     }
 

@@ -76,9 +76,7 @@ fn step(engine: &mut ContactEngine<3>, request: &Request) -> Candidate<3> {
 
 /// Triangles of a flat quadrilateral whose corners are seen clockwise by the grains.
 fn quad([a, b, c, d]: [V3; 4]) -> [Facet<3>; 2] {
-    [[a, b, c], [a, c, d]].map(|corners| Facet {
-        corners: corners.map(Vector::from),
-    })
+    [[a, b, c], [a, c, d]].map(|corners| Facet::at_rest(corners.map(Vector::from)))
 }
 
 /// A floor z = 0 from −`half` to `half` along x and y, in n × n squares.

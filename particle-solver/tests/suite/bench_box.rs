@@ -31,9 +31,7 @@ pub fn empty() -> Setup<2> {
 
 /// A wall from a to b.
 pub fn wall(a: [f64; 2], b: [f64; 2]) -> Facet<2> {
-    Facet {
-        corners: [a, b].map(Vector::from),
-    }
+    Facet::at_rest([a, b].map(Vector::from))
 }
 
 /// Floor y = 0 and walls x = 0, x = `width`, all inside facing.

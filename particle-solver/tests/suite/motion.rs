@@ -1,7 +1,7 @@
 //! Closed-form motion of a few disks, frictional and frictionless.
 
 use crate::bench_box::*;
-use particle_solver::Setup;
+use particle_solver::{ContactEngine, Facet, Grains, Request, Setup, State};
 
 const G: f64 = 9.81;
 
@@ -245,5 +245,123 @@ fn a_ball_rolls_over_joints_of_a_floor_as_over_one_floor() {
         );
         assert!((position[0] - whole.0[0]).abs() < 1e-9 && (position[1] - 0.5).abs() < 1e-9);
         assert!((velocity[0] - whole.1[0]).abs() < 1e-9);
+    }
+}
+
+/// Velocity and slip of a grain of moment κ m r² after a second on a belt, from rest.
+fn on_a_belt(inertia_factor: f64, velocity: [f64; 2], pieces: usize) -> (f64, f64) {
+    let length = 8.0 / pieces as f64;
+    let belt = (0..pieces).map(|k| {
+        let from = -4.0 + length * k as f64;
+        Facet {
+            velocity: velocity.into(),
+            ..wall([from, 0.0], [from + length, 0.0])
+        }
+    });
+    let setup = Setup {
+        gravity: [0.0, -G].into(),
+        walls: belt.collect(),
+        wall_friction: 0.5,
+        inertia_factor,
+        ..empty()
+    };
+    let mut engine = engine(setup, &[disk(0.0, 0.5, 0.5)]);
+    for number in 1..=1000 {
+        let candidate = step(&mut engine, &request(number, 1e-3));
+        assert_eq!(candidate.contact, [2]);
+    }
+    let (velocity_now, spin) = (engine.accepted().velocity[0], engine.accepted().spin[0]);
+    assert!(
+        (engine.accepted().position[0][1] - 0.5).abs() < 1e-12 && velocity_now[1].abs() < 1e-12
+    );
+    let slip = velocity_now[0] + 0.5 * spin - velocity[0];
+    (velocity_now[0] / velocity[0], slip)
+}
+
+#[test]
+fn a_disk_on_a_belt_rolls_at_a_third_of_its_speed_and_a_sphere_at_two_sevenths() {
+    println!("I/(m r²)  pieces  v/U              exact   slip");
+    for (inertia_factor, exact) in [(0.5, 1.0 / 3.0), (0.4, 2.0 / 7.0)] {
+        for (speed, pieces) in [(0.1, 1), (-0.1, 1), (0.1, 40)] {
+            let (share, slip) = on_a_belt(inertia_factor, [speed, 0.0], pieces);
+            println!("{inertia_factor}       {pieces:2}      {share:.12}  {exact:.12}  {slip:.1e}");
+            assert!((share - exact).abs() < 1e-9 && slip.abs() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn a_wall_that_moves_across_itself_is_refused() {
+    let setup = Setup {
+        walls: vec![Facet {
+            velocity: [0.1, 1e-3].into(),
+            ..wall([0.0, 0.0], [1.0, 0.0])
+        }],
+        ..empty()
+    };
+    let grains = Grains::default();
+    let state = State::new(&grains, Vec::new(), Vec::new()).unwrap();
+    let error = ContactEngine::new(setup, grains, state)
+        .unwrap_err()
+        .to_string();
+    println!("{error}");
+    assert!(error.contains("wall 0 moves at") && error.contains("along"));
+}
+
+/// y of a wall with hills of height 0.2 and length 6, and its slope.
+fn hills(x: f64) -> (f64, f64) {
+    (0.2 * x.cos(), -0.2 * x.sin())
+}
+
+#[test]
+fn a_smooth_grain_glides_over_a_wall_of_many_facets_and_is_caught_by_none() {
+    println!("facets a radius  dt   deepest   largest gain of energy   largest loss");
+    for (pieces, dt) in [(1usize, 1e-3), (4, 1e-3), (20, 1e-3), (20, 2.5e-4)] {
+        let (radius, length) = (0.5, 0.5 / pieces as f64);
+        let place = |k: usize| {
+            let x = -1.0 + length * k as f64;
+            [x, hills(x).0]
+        };
+        let facets = (13.0 / length) as usize;
+        let walls: Vec<_> = (0..facets).map(|k| wall(place(k), place(k + 1))).collect();
+        let setup = Setup {
+            gravity: [0.0, -G].into(),
+            walls: walls.clone(),
+            ..empty()
+        };
+        let start = disk(0.0, 0.2 + radius, radius).moving(1.2, 0.0);
+        let mass = start.mass;
+        let mut engine = engine(setup, &[start]);
+        let energy =
+            |engine: &Engine| kinetic_energy(engine) / mass + G * engine.accepted().position[0][1];
+        let begin = energy(&engine);
+        let (mut deepest, mut range) = (0.0f64, [0.0f64; 2]);
+        for number in 1..=24_000 {
+            let chosen = Request {
+                sub_steps: 0,
+                ..request(number, dt)
+            };
+            step(&mut engine, &chosen);
+            let at = engine.accepted().position[0];
+            if at[0] > 11.0 {
+                break;
+            }
+            let gaps = walls.iter().map(|wall| {
+                let [a, b] = wall.corners;
+                let along = ((at - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0);
+                (at - a - (b - a) * along).norm() - radius
+            });
+            deepest = deepest.max(-gaps.fold(f64::INFINITY, f64::min));
+            let gained = energy(&engine) - begin;
+            range = [range[0].max(gained), range[1].max(-gained)];
+        }
+        let at = engine.accepted().position[0];
+        println!(
+            "{pieces:2}  {dt:.1e}  {deepest:.1e}  {:.1e}  {:.1e}  {at:?}",
+            range[0], range[1]
+        );
+        assert!(at[0] > 11.0, "caught at {at:?}");
+        assert!(deepest < 1e-12 && range[0] < 1e-3);
+        assert!(range[1] < 0.3 / pieces as f64 + 20.0 * dt);
     }
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use protocol::Error;
 use protocol::engine::{InitialGrains, MeshDescription};
-use protocol::field::{FROM_FLUID, FROM_PARTICLES, Field, MESH};
+use protocol::field::{BOUNDARY, FROM_FLUID, FROM_PARTICLES, Field, MESH};
 use protocol::header::Stage;
 use protocol::message::{Advance, Configure, Hello, Role, ToCoupler, ToEngine};
 use protocol::partner::Partner;
@@ -285,7 +285,13 @@ fn mesh_fields(mesh: &MeshDescription) -> Vec<(Field, Vec<f64>)> {
         mesh.simplex_position.clone(),
         mesh.nodal_mass.clone(),
     ];
-    MESH.into_iter().zip(values).collect()
+    let facets = [
+        mesh.facets.position.clone(),
+        mesh.facets.boundary_numbers(),
+        mesh.facets.velocity.clone(),
+    ];
+    let boundary = BOUNDARY.into_iter().zip(facets);
+    MESH.into_iter().zip(values).chain(boundary).collect()
 }
 
 /// A grain field that is missing is empty, and refused by the partner.

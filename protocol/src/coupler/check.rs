@@ -116,6 +116,22 @@ pub(crate) fn corners(who: &str, counts: &Counts, numbers: &[f64]) -> Result<Vec
     numbers.iter().enumerate().map(corner).collect()
 }
 
+/// Boundaries of the facets, whole numbers of those that there are.
+pub(crate) fn facet_boundaries(
+    who: &str,
+    count: usize,
+    numbers: &[f64],
+) -> Result<Vec<u32>, Error> {
+    let boundary = |(facet, &number): (usize, &f64)| {
+        if number.fract() == 0.0 && (0.0..count as f64).contains(&number) {
+            return Ok(number as u32);
+        }
+        let why = format!("boundary {number} of facet {facet}, there are {count} boundaries");
+        Err(Error::invalid(who, 0, "facet_boundary", why))
+    };
+    numbers.iter().enumerate().map(boundary).collect()
+}
+
 /// Can shape functions be made on it?
 pub(crate) fn check_mesh(who: &str, mesh: &MeshDescription) -> Result<(), Error> {
     let invalid = |what: &str, why| Err(Error::invalid(who, 0, what, why));

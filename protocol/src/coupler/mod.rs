@@ -2,3 +2,4 @@
 
 mod check;
 pub mod partner;
+mod told;

@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::language::codec;
 use crate::language::engine::{InitialGrains, MeshDescription};
 use crate::language::error::Error;
-use crate::language::field::{Field, MESH};
+use crate::language::field::Field;
 use crate::language::header::PROTOCOL_VERSION;
 use crate::language::header::{FieldHeader, Stage, other_protocol};
 use crate::language::message::{
@@ -17,7 +17,8 @@ use crate::run::runspace::RunSpace;
 use crate::transport::channel::{Channel, Wait, seconds};
 use crate::transport::exchange::{Counts, Moment, receive_grains};
 
-use super::check::{check_done, check_mesh, corners, count, parse, same_dimension, unexpected};
+use super::check::{check_done, count, parse, same_dimension, unexpected};
+use super::told;
 
 /// How long an engine may take to leave after `Finish` \[s\].
 const LEAVE: Duration = Duration::from_secs(10);
@@ -129,6 +130,8 @@ impl Partner {
                 nodes,
                 simplices,
                 period,
+                facets,
+                boundaries,
             }) => {
                 same_dimension(self.seat(), scene_dimension, dimension)?;
                 self.counts = Counts {
@@ -136,37 +139,15 @@ impl Partner {
                     dimension: scene_dimension,
                     nodes: count(self.seat(), "nodes", nodes)?,
                     simplices: count(self.seat(), "simplices", simplices)?,
+                    facets: count(self.seat(), "facets", facets)?,
                     grains: 0,
                 };
-                self.mesh(period, wait)
+                let mut mesh = told::mesh(&self.counts, &mut *self.channel, period, wait)?;
+                mesh.facets = told::facets(&self.counts, &mut *self.channel, boundaries, wait)?;
+                Ok(mesh)
             }
             other => Err(unexpected(self.seat(), 0, &other, "Ready with a mesh")),
         }
-    }
-
-    /// The fields of a mesh, looked at.
-    fn mesh(&mut self, period: Vec<Option<f64>>, wait: Wait<'_>) -> Result<MeshDescription, Error> {
-        let mut fields = Vec::with_capacity(MESH.len());
-        for field in MESH {
-            fields.push(self.counts.receive_copy(
-                &mut *self.channel,
-                field,
-                Moment::at(Stage::Ready),
-                wait,
-            )?);
-        }
-        let [node_position, corner_numbers, simplex_position, nodal_mass] =
-            <[Vec<f64>; MESH.len()]>::try_from(fields).unwrap_or_default();
-        let mesh = MeshDescription {
-            dimension: self.counts.dimension,
-            node_position,
-            simplex_nodes: corners(self.seat(), &self.counts, &corner_numbers)?,
-            simplex_position,
-            nodal_mass,
-            period,
-        };
-        check_mesh(self.seat(), &mesh)?;
-        Ok(mesh)
     }
 
     /// Send the particles' part of the scene and the initial grains; answered by the grains that

@@ -15,9 +15,11 @@ pub enum Support {
     Simplex,
     /// A grain.
     Grain,
+    /// A facet of the mesh's boundary: an edge in the plane, a triangle in space.
+    Facet,
 }
 
-/// How many numbers there are for each node, simplex or grain.
+/// How many numbers there are for each node, simplex, grain or facet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rank {
     /// One.
@@ -28,6 +30,8 @@ pub enum Rank {
     Corners,
     /// A vector a corner of the simplex.
     CornerVectors,
+    /// A vector a corner of the facet.
+    FacetVectors,
 }
 
 /// The SI unit.
@@ -63,6 +67,8 @@ pub enum Exchange {
     FromParticles,
     /// The same, but nobody misses it.
     MaybeFromParticles,
+    /// The boundary of the mesh: fluid → coupler with `Ready`, where it tells facets.
+    Boundary,
 }
 
 /// A row of the table.
@@ -99,7 +105,7 @@ macro_rules! fields {
             $($(#[doc = $meaning])+ $field = $id,)+
         }
 
-        /// The table, in the order of ids.
+        /// The table, in the order of the declaration.
         pub const FIELDS: [FieldSpec; [$($id),+].len()] = [$(FieldSpec {
             field: Field::$field,
             id: $id,
@@ -172,12 +178,22 @@ fields! {
 
     /// Part of `drag` that is of fixed grains; at most `drag`.
     FixedDrag = 50 "fixed_drag" Node Scalar Unit::Of("kg/(m³ s)"), Some(0.0), [ToFluid];
+
+    /// Coordinates of each facet's corners, unwrapped across periodic boundaries: in the plane with the
+    /// fluid on the left of the way, in space seen counter-clockwise from outside.
+    FacetPosition = 5 "facet_position" Facet FacetVectors Unit::Of("m"), None, [Boundary];
+    /// Which boundary of `Ready` each facet belongs to: whole numbers from 0.
+    FacetBoundary = 6 "facet_boundary" Facet Scalar Unit::Of("–"), None, [Boundary];
+    /// Velocity that the boundary gives the fluid at the middle of each facet, 0 where it gives none.
+    FacetVelocity = 7 "facet_velocity" Facet Vector Unit::Of("m/s"), None, [Boundary];
 }
 
 /// Coupler → fluid.
 pub const TO_FLUID: [Field; count(&[Exchange::ToFluid])] = sent_in(&[Exchange::ToFluid]);
 /// The mesh, fluid → coupler (and coupler → orchestrator).
 pub const MESH: [Field; count(&[Exchange::Mesh])] = sent_in(&[Exchange::Mesh]);
+/// The boundary of the mesh, fluid → coupler.
+pub const BOUNDARY: [Field; count(&[Exchange::Boundary])] = sent_in(&[Exchange::Boundary]);
 /// A fluid candidate.
 pub const FROM_FLUID: [Field; count(&[Exchange::FromFluid])] = sent_in(&[Exchange::FromFluid]);
 /// Coupler → particles.
@@ -217,7 +233,7 @@ pub const fn count(exchanges: &[Exchange]) -> usize {
     count
 }
 
-/// The fields that are sent in these exchanges, in the order of ids; `COUNT` is their [`count`].
+/// The fields that are sent in these exchanges, in the order of the table; `COUNT` is their [`count`].
 pub const fn sent_in<const COUNT: usize>(exchanges: &[Exchange]) -> [Field; COUNT] {
     let mut fields = [FIELDS[0].field; COUNT];
     let (mut row, mut place) = (0, 0);
@@ -233,7 +249,7 @@ pub const fn sent_in<const COUNT: usize>(exchanges: &[Exchange]) -> [Field; COUN
 }
 
 impl Field {
-    /// All fields, in the order of their ids.
+    /// All fields, in the order of the table.
     pub const ALL: [Field; FIELDS.len()] = {
         let mut fields = [FIELDS[0].field; FIELDS.len()];
         let mut row = 0;
@@ -247,8 +263,8 @@ impl Field {
     /// Its row.
     pub fn spec(self) -> &'static FieldSpec {
         static TABLE: [FieldSpec; FIELDS.len()] = FIELDS;
-        let row = TABLE.partition_point(|spec| spec.id < self.id());
-        &TABLE[row]
+        let row = TABLE.iter().position(|spec| spec.field == self);
+        &TABLE[row.unwrap_or(0)] // every field has its row
     }
 
     /// The id on the wire.
@@ -281,7 +297,7 @@ impl Field {
         }
     }
 
-    /// Numbers for each node, simplex or grain in a space of this dimension.
+    /// Numbers for each node, simplex, grain or facet in a space of this dimension.
     pub fn components(self, dimension: usize) -> usize {
         self.spec().rank.components(dimension)
     }
@@ -293,12 +309,13 @@ impl Field {
 }
 
 impl Support {
-    /// "node", "simplex" or "grain".
+    /// "node", "simplex", "grain" or "facet".
     pub fn name(self) -> &'static str {
         match self {
             Support::Node => "node",
             Support::Simplex => "simplex",
             Support::Grain => "grain",
+            Support::Facet => "facet",
         }
     }
 }
@@ -311,6 +328,7 @@ impl Rank {
             Rank::Vector => dimension,
             Rank::Corners => dimension + 1,
             Rank::CornerVectors => dimension * (dimension + 1),
+            Rank::FacetVectors => dimension * dimension,
         }
     }
 }

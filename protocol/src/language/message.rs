@@ -23,6 +23,8 @@ pub enum Capability {
     ConvectionAsNeeded,
     /// Both: knows `Withhold` and `Tell`; the loop of this crate declares it for every engine.
     FieldsOnRequest,
+    /// Particles: walls that move along themselves rub on the grains; others get no such wall.
+    MovingWalls,
 }
 
 /// First message of an engine.
@@ -58,7 +60,8 @@ pub enum Configure {
 }
 
 /// An engine is ready; counts of the fields that follow.
-/// Mesh: `NodePosition`, `SimplexNodes`, `SimplexPosition`, `NodalMass`.
+/// Mesh: `NodePosition`, `SimplexNodes`, `SimplexPosition`, `NodalMass`; where there are facets also
+/// `FacetPosition`, `FacetBoundary`, `FacetVelocity`.
 /// Grains: `GrainPosition`, `GrainVelocity`, `GrainRadius`, `GrainMass`, `GrainVolume`, `GrainFixed`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Ready {
@@ -74,6 +77,12 @@ pub enum Ready {
         simplices: u64,
         /// Period along each axis \[m\], where the mesh is periodic.
         period: Vec<Option<f64>>,
+        /// Number of facets of the boundary; 0: the engine does not tell them.
+        #[serde(default)]
+        facets: u64,
+        /// The boundaries that facets belong to.
+        #[serde(default)]
+        boundaries: Vec<MeshBoundary>,
     },
     /// The particle engine's grains.
     Grains {
@@ -84,6 +93,31 @@ pub enum Ready {
         /// Number of grains.
         grains: u64,
     },
+}
+
+/// A named boundary of a mesh.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MeshBoundary {
+    /// Its name in the scene.
+    pub name: String,
+    /// What it is to the fluid.
+    pub kind: BoundaryKind,
+}
+
+/// What a boundary is to the fluid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BoundaryKind {
+    /// A wall that holds the fluid.
+    NoSlip,
+    /// A wall along which it slides.
+    Slip,
+    /// A wall that moves along itself, with `FacetVelocity`.
+    MovingWall,
+    /// The velocity is given, `FacetVelocity`: along the facet it is that of a moving wall.
+    Inflow,
+    /// The pressure is given.
+    Open,
 }
 
 /// Compute a candidate for the step that starts at the accepted state; never changes that state.

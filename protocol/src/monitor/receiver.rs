@@ -88,6 +88,7 @@ impl MonitorReceiver {
                     nodes: *nodes as usize,
                     simplices: *simplices as usize,
                     grains: *grains as usize,
+                    facets: 0,
                 };
                 let mut names = if *nodes > 0 {
                     MESH.to_vec()

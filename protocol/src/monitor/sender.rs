@@ -64,6 +64,7 @@ impl MonitorSender {
             nodes,
             simplices,
             grains: grain_radius.len(),
+            facets: 0,
         };
         self.wait_for_reader()?;
         let moment = Moment::at(Stage::Started);

@@ -37,7 +37,7 @@ impl End {
     }
 }
 
-const BY_FLUID: &[Exchange] = &[Exchange::Mesh, Exchange::FromFluid];
+const BY_FLUID: &[Exchange] = &[Exchange::Mesh, Exchange::Boundary, Exchange::FromFluid];
 const FOR_PARTICLES: &[Exchange] = &[Exchange::Grains, Exchange::ToParticles];
 const BY_PARTICLES: &[Exchange] = &[
     Exchange::Grains,

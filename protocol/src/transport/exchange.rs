@@ -6,7 +6,7 @@ use crate::language::field::{Field, Support};
 use crate::language::header::{Expected, Stage};
 use crate::transport::channel::{Channel, Received, Wait};
 
-/// How many nodes, simplices and grains a link has, in which dimension, and the epoch of both.
+/// How many nodes, simplices, facets and grains a link has, in which dimension, and the epoch of both.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Counts {
     pub epoch: u64,
@@ -14,6 +14,7 @@ pub(crate) struct Counts {
     pub nodes: usize,
     pub simplices: usize,
     pub grains: usize,
+    pub facets: usize,
 }
 
 /// Step, pass, stage and time that all fields of one exchange share.
@@ -44,6 +45,7 @@ impl Counts {
             Support::Node => self.nodes,
             Support::Simplex => self.simplices,
             Support::Grain => self.grains,
+            Support::Facet => self.facets,
         };
         let Moment {
             step,

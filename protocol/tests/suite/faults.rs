@@ -254,6 +254,8 @@ fn absurd_counts_are_refused_before_anything_is_allocated() {
             dimension: 2,
             nodes: u64::MAX,
             simplices: 1,
+            facets: 0,
+            boundaries: Vec::new(),
             period: vec![None, None],
         };
         send(&mut *link, &ToCoupler::Ready(ready));

@@ -9,12 +9,14 @@ fn numbers(spec: &FieldSpec) -> String {
         Support::Node => "n",
         Support::Simplex => "s",
         Support::Grain => "g",
+        Support::Facet => "f",
     };
     match spec.rank {
         Rank::Scalar => each.to_owned(),
         Rank::Vector => format!("d {each}"),
         Rank::Corners => format!("(d + 1) {each}"),
         Rank::CornerVectors => format!("d (d + 1) {each}"),
+        Rank::FacetVectors => format!("d d {each}"),
     }
 }
 
@@ -35,6 +37,7 @@ fn sent(spec: &FieldSpec) -> String {
         Exchange::ToParticles => "coupler → particles, `Advance`",
         Exchange::FromParticles => "particles, `Done`",
         Exchange::MaybeFromParticles => "particles, `Done` (optional)",
+        Exchange::Boundary => "fluid, `Ready` (optional)",
     });
     words.collect::<Vec<_>>().join("; ")
 }
@@ -88,7 +91,10 @@ fn ids_and_names_are_unique_and_rows_are_found_by_both() {
         assert_eq!(Field::from_name(spec.name), Some(spec.field));
         assert!(!spec.sent.is_empty() && !spec.meaning.is_empty());
     }
-    assert!(FIELDS.is_sorted_by(|a, b| a.id < b.id));
+    let different = |a: &FieldSpec, b: &FieldSpec| a.id != b.id && a.name != b.name;
+    for (place, spec) in FIELDS.iter().enumerate() {
+        assert!(FIELDS[..place].iter().all(|other| different(spec, other)));
+    }
     assert_eq!(Field::from_id(0), None);
     assert_eq!(Field::from_name(""), None);
 }

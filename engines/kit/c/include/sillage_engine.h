@@ -190,6 +190,11 @@
 #define SILLAGE_OPEN 5
 
 /*
+ Boundary: a wall that moves along itself, u = velocity.
+ */
+#define SILLAGE_MOVING_WALL 6
+
+/*
  Time scheme: backward Euler.
  */
 #define SILLAGE_BACKWARD_EULER 0
@@ -229,11 +234,11 @@ typedef struct sillage_boundary {
     const char *name;
     /*
      One of SILLAGE_NO_SLIP, SILLAGE_SLIP, SILLAGE_PERIODIC, SILLAGE_INFLOW_UNIFORM,
-     SILLAGE_INFLOW_PARABOLIC, SILLAGE_OPEN.
+     SILLAGE_INFLOW_PARABOLIC, SILLAGE_OPEN, SILLAGE_MOVING_WALL.
      */
     uint32_t condition;
     /*
-     Velocity of an inflow (m/s), `dimension` numbers; NULL where there is none.
+     Velocity of an inflow or a moving wall (m/s), `dimension` numbers; NULL where there is none.
      */
     const double *velocity;
     /*

@@ -1,6 +1,6 @@
 //! The mesh that a fluid engine answers with.
 
-use protocol::engine::MeshDescription;
+use protocol::engine::{FacetDescription, MeshDescription};
 use protocol::message::{Failure, FailureKind};
 
 /// The mesh, to be filled by configure(): pointers to the engine's arrays, which must stay until it
@@ -98,6 +98,7 @@ impl Mesh {
                 .collect(),
             simplex_nodes: corners,
             node_position,
+            facets: FacetDescription::default(),
         };
         if self.nodal_mass.is_null() {
             mesh.nodal_mass = equal_shares(&mesh, nodes);

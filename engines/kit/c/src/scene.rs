@@ -18,6 +18,8 @@ pub const SILLAGE_INFLOW_UNIFORM: u32 = 3;
 pub const SILLAGE_INFLOW_PARABOLIC: u32 = 4;
 /// Boundary: pressure given at its highest point, hydrostatic along it.
 pub const SILLAGE_OPEN: u32 = 5;
+/// Boundary: a wall that moves along itself, u = velocity.
+pub const SILLAGE_MOVING_WALL: u32 = 6;
 
 /// Time scheme: backward Euler.
 pub const SILLAGE_BACKWARD_EULER: u32 = 0;
@@ -33,9 +35,9 @@ pub struct Boundary {
     /// Its name: left, right, bottom, top of a rectangle, or the mesh's.
     pub name: *const c_char,
     /// One of SILLAGE_NO_SLIP, SILLAGE_SLIP, SILLAGE_PERIODIC, SILLAGE_INFLOW_UNIFORM,
-    /// SILLAGE_INFLOW_PARABOLIC, SILLAGE_OPEN.
+    /// SILLAGE_INFLOW_PARABOLIC, SILLAGE_OPEN, SILLAGE_MOVING_WALL.
     pub condition: u32,
-    /// Velocity of an inflow (m/s), `dimension` numbers; NULL where there is none.
+    /// Velocity of an inflow or a moving wall (m/s), `dimension` numbers; NULL where there is none.
     pub velocity: *const f64,
     /// Pressure of an open boundary (Pa).
     pub pressure: f64,
@@ -189,6 +191,7 @@ fn boundary(name: &CString, condition: &scene::Boundary) -> Boundary {
             Profile::Parabolic => (SILLAGE_INFLOW_PARABOLIC, velocity.as_ptr(), 0.0),
         },
         scene::Boundary::Open { pressure } => (SILLAGE_OPEN, none, *pressure),
+        scene::Boundary::MovingWall { velocity } => (SILLAGE_MOVING_WALL, velocity.as_ptr(), 0.0),
     };
     Boundary {
         name: name.as_ptr(),

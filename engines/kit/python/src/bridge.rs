@@ -9,7 +9,8 @@ use std::rc::Rc;
 
 use protocol::channel::Channel;
 use protocol::engine::{
-    self, Computed, FluidEngine, InitialGrains, Inputs, MeshDescription, Outputs, ParticleEngine,
+    self, Computed, FacetDescription, FluidEngine, InitialGrains, Inputs, MeshDescription, Outputs,
+    ParticleEngine,
 };
 use protocol::error::Error;
 use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind, Role};
@@ -73,6 +74,7 @@ fn capability(name: &str) -> PyResult<Capability> {
         ("contact-state", Capability::ContactState),
         ("checkpoint", Capability::Checkpoint),
         ("convection-as-needed", Capability::ConvectionAsNeeded),
+        ("moving-walls", Capability::MovingWalls),
     ];
     let found = known.iter().find(|(known, _)| *known == name);
     found.map(|&(_, capability)| capability).ok_or_else(|| {
@@ -236,6 +238,7 @@ impl FluidEngine for Bridge<'_> {
                 simplex_position: array("simplex_position")?,
                 nodal_mass: array("nodal_mass")?,
                 period: mesh.getattr("period")?.extract()?,
+                facets: FacetDescription::default(),
             })
         })
     }

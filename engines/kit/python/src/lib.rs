@@ -48,7 +48,7 @@ fn fields() -> Vec<(&'static str, &'static str, Option<f64>, Vec<&'static str>)>
         let rank = match spec.rank {
             Rank::Scalar => "scalar",
             Rank::Vector => "vector",
-            Rank::Corners | Rank::CornerVectors => "corners",
+            Rank::Corners | Rank::CornerVectors | Rank::FacetVectors => "corners",
         };
         let sent = spec.sent.iter().map(|exchange| match exchange {
             Exchange::ToFluid => "to fluid",
@@ -57,6 +57,7 @@ fn fields() -> Vec<(&'static str, &'static str, Option<f64>, Vec<&'static str>)>
             Exchange::FromParticles | Exchange::MaybeFromParticles => "from particles",
             Exchange::Mesh => "mesh",
             Exchange::Grains => "grains",
+            Exchange::Boundary => "boundary",
         });
         (spec.name, rank, spec.default, sent.collect())
     };

@@ -93,7 +93,9 @@ fn hello(case: &Case) -> Result<(), Trouble> {
     for (place, capability) in hello.capabilities.iter().enumerate() {
         let foreign = match capability {
             Capability::AffineResponse | Capability::ConvectionAsNeeded => case.role != Role::Fluid,
-            Capability::ImplicitDrag | Capability::ContactState => case.role != Role::Particles,
+            Capability::ImplicitDrag | Capability::ContactState | Capability::MovingWalls => {
+                case.role != Role::Particles
+            }
             Capability::Checkpoint | Capability::FieldsOnRequest => false,
         };
         if foreign || hello.capabilities[..place].contains(capability) {
@@ -133,7 +135,7 @@ fn ready(case: &Case) -> Result<(), Trouble> {
         return Err("its epoch is 0, epochs count from 1".to_owned().into());
     }
     match model {
-        Model::Mesh(mesh) => Ok(sound_mesh(&mesh)?),
+        Model::Mesh(mesh) => Ok(sound_mesh(&mesh).and_then(|()| sound_facets(&mesh))?),
         Model::Grains(grains) => Ok(sound_grains(case, &grains)?),
     }
 }
@@ -166,6 +168,33 @@ fn sound_mesh(mesh: &MeshDescription) -> Result<(), String> {
         return Err(format!(
             "nodal_mass sums to {mass:e} m^{d}, the simplices cover {measure:e}; it must be ∫N of each node"
         ));
+    }
+    Ok(())
+}
+
+/// Facets, where the engine tells them, are sides of simplices.
+fn sound_facets(mesh: &MeshDescription) -> Result<(), String> {
+    const ROUND_OFF: f64 = 1e-9;
+    let d = mesh.dimension;
+    let simplices = || mesh.simplex_position.chunks_exact(d * (d + 1));
+    for (facet, corners) in mesh.facets.position.chunks_exact(d * d).enumerate() {
+        let far = |a: &[f64], b: &[f64]| {
+            a.iter()
+                .zip(b)
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f64::max)
+        };
+        let size = far(&corners[..d], &corners[d..2 * d]);
+        let has = |simplex: &[f64], corner: &[f64]| {
+            let mut own = simplex.chunks_exact(d);
+            own.any(|place| far(place, corner) <= ROUND_OFF * size)
+        };
+        let side = |simplex: &[f64]| corners.chunks_exact(d).all(|corner| has(simplex, corner));
+        if !simplices().any(side) {
+            return Err(format!(
+                "facet {facet} at {corners:?} is no side of a simplex"
+            ));
+        }
     }
     Ok(())
 }

@@ -7,6 +7,7 @@ use super::table::{Grain, GrainTable};
 use super::{file, place};
 use crate::check::Checker;
 use crate::keys::Grains;
+use crate::outline::Outline;
 use crate::walls::GrainRoom;
 
 /// Overlap of two grains that is tolerated, of the smaller radius: what a file of a previous
@@ -17,7 +18,7 @@ const OVERLAP_MAX: f64 = 0.01;
 pub fn generate(
     populations: &[Grains],
     folder: &Path,
-    room: Option<&GrainRoom>,
+    (room, fluid): (Option<&GrainRoom>, Option<&Outline>),
     checker: &mut Checker<'_>,
 ) -> GrainTable {
     let mut table = GrainTable::default();
@@ -49,7 +50,8 @@ pub fn generate(
         match placed {
             Err((key, why)) => checker.refuse(&key, why),
             Ok(rows) => {
-                if let Some(why) = misplaced(&rows, room, &mut neighbours) {
+                let misplaced = misplaced(&rows, room, &mut neighbours);
+                if let Some(why) = misplaced.or_else(|| beside(&rows, fluid?)) {
                     checker.refuse(&key, why);
                 }
                 rows.into_iter().for_each(|grain| table.push(grain));
@@ -88,6 +90,18 @@ fn misplaced(
         neighbours.insert(grain.position, grain.radius, grain.fixed);
     }
     first
+}
+
+/// The first grain that is not in the fluid.
+fn beside(rows: &[Grain], fluid: &Outline) -> Option<String> {
+    let number = rows
+        .iter()
+        .position(|grain| !fluid.contains(grain.position))?;
+    let [x, y] = rows[number].position;
+    Some(format!(
+        "grain {number} of this population, at ({x:e}, {y:e}) m, is outside the fluid's domain, or in a hole \
+         of it"
+    ))
 }
 
 /// The side that a grain crosses; fixed grains may stand in a wall, open sides stop centres only.

@@ -18,6 +18,8 @@ pub struct Fluid {
     pub domain: Domain,
     /// Condition on each boundary: "all", or left, right, bottom, top of a rectangle, or the
     /// names of the mesh. A name goes before "all".
+    #[serde(with = "super::boundary::map")]
+    #[schemars(with = "BTreeMap<String, super::boundary::BoundaryKey>")]
     pub boundaries: BTreeMap<String, Boundary<[f64; 2]>>,
     /// Convection v·∇v: true, false (creeping flow), or "auto": left out while it is small.
     #[serde(default = "as_needed")]

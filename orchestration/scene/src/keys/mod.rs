@@ -1,8 +1,9 @@
 //! Every key of a scene, as it stands in the file.
 //!
-//! `scene_file` names the tables; `fluid`, `grains`, `room`, `coupling` and `conduct` have their keys.
-//! What may be chosen by name stands in `protocol::scene`, with its schema.
+//! `scene_file` names the tables; `fluid` with `boundary`, `grains`, `room`, `coupling` and `conduct` have
+//! their keys. What may be chosen by name stands in `protocol::scene`, with its schema.
 
+mod boundary;
 mod conduct;
 mod coupling;
 mod fluid;

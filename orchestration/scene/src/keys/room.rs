@@ -1,5 +1,8 @@
 //! Keys of where grains may go: `[particles]` and `[[walls]]`.
 
+use std::collections::BTreeMap;
+
+use protocol::scene::GrainBoundary;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -7,18 +10,23 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields)]
 pub struct Particles {
-    /// "domain": the sides of the domain that are neither periodic nor open; "none".
+    /// "domain": the walls of the fluid's rectangle or mesh, and of `domain` where it is given; "none".
     #[serde(default)]
     pub walls: DefaultWalls,
-    /// The rectangle of a scene without fluid, or one that differs from the fluid's.
+    /// The rectangle of a scene without fluid, or one that differs from the fluid's; walls that lie on
+    /// those of a mesh are the same ones.
     pub domain: Option<GrainDomain>,
+    /// What grains meet where fluid flows in or out, by the name of the boundary: "wall" (without this key
+    /// where it is inflow) or "open" (without it where it is open). Sides that hold the fluid are walls.
+    #[serde(default)]
+    pub boundaries: BTreeMap<String, GrainBoundary>,
 }
 
 /// Walls made from the domain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "kebab-case")]
 pub enum DefaultWalls {
-    /// A wall on every side that is neither periodic nor open.
+    /// A wall on every side that is neither periodic nor open, and where a mesh ends.
     #[default]
     Domain,
     /// Only the segments written as `walls`.
@@ -55,6 +63,19 @@ pub enum Side {
     Top,
 }
 
+impl Side {
+    /// Is its name one of these?
+    pub fn name_is(self, names: &[&str]) -> bool {
+        let name = match self {
+            Side::Left => "left",
+            Side::Right => "right",
+            Side::Bottom => "bottom",
+            Side::Top => "top",
+        };
+        names.contains(&name)
+    }
+}
+
 /// A wall segment; grains stay on the left of from → to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -63,4 +84,6 @@ pub struct WallSegment {
     pub from: [f64; 2],
     /// End (m).
     pub to: [f64; 2],
+    /// Velocity along itself (m/s), which rubs on the grains; where the wall is does not change.
+    pub velocity: Option<[f64; 2]>,
 }

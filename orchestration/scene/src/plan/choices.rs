@@ -140,8 +140,8 @@ fn reynolds(scene: &Scene) -> f64 {
     };
     let size = |vector: &[f64]| vector.iter().copied().fold(0.0, f64::hypot);
     let inflow = fluid.boundaries.values().map(|boundary| match boundary {
-        Boundary::Inflow { velocity, .. } => size(velocity),
-        _ => 0.0,
+        Boundary::Inflow { velocity, .. } | Boundary::MovingWall { velocity } => size(velocity),
+        Boundary::NoSlip | Boundary::Slip | Boundary::Periodic | Boundary::Open { .. } => 0.0,
     });
     let prescribed = inflow.fold(size(&fluid.initial_velocity), f64::max);
     let grains = &scene.grains;

@@ -3,3 +3,4 @@
 mod populations;
 mod scene_errors;
 mod scenes_folder;
+mod sides;

@@ -29,6 +29,7 @@ pub fn begin(cells: usize) -> Begin {
         fluid: Some(toy::fluid_scene(cells)),
         particles: Some(toy::particle_scene()),
         grains_stay: false,
+        grain_boundaries: None,
         grains_file: None,
         scheme: Scheme::Staggered,
         drag: DragLaw::Dallavalle,

@@ -53,6 +53,7 @@ impl<E: FluidEngine> FluidSeat<'_, E> {
             dimension: mesh.dimension,
             nodes: mesh.node_count(),
             simplices: mesh.simplex_count(),
+            facets: mesh.facets.count(),
             grains: 0,
         };
         send_mesh(&mesh, session)?;
@@ -62,6 +63,8 @@ impl<E: FluidEngine> FluidSeat<'_, E> {
             nodes: session.counts.nodes as u64,
             simplices: session.counts.simplices as u64,
             period: mesh.period,
+            facets: session.counts.facets as u64,
+            boundaries: mesh.facets.boundaries,
         })
     }
 }
@@ -73,6 +76,16 @@ fn send_mesh(mesh: &MeshDescription, session: &mut Session) -> Result<(), Troubl
         (Field::SimplexNodes, &corners),
         (Field::SimplexPosition, &mesh.simplex_position),
         (Field::NodalMass, &mesh.nodal_mass),
+    ];
+    send_all(&fields, session)?;
+    if mesh.facets.count() == 0 {
+        return Ok(());
+    }
+    let boundary = mesh.facets.boundary_numbers();
+    let fields: [(Field, &[f64]); 3] = [
+        (Field::FacetPosition, &mesh.facets.position),
+        (Field::FacetBoundary, &boundary),
+        (Field::FacetVelocity, &mesh.facets.velocity),
     ];
     send_all(&fields, session)
 }

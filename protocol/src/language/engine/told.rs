@@ -1,6 +1,7 @@
 //! What an engine tells about itself when it is configured: its mesh, or its grains.
 
 use crate::language::field::Field;
+use crate::language::message::MeshBoundary;
 
 /// The mesh of a fluid engine. Flat numbers; shapes: see [`Field`].
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -18,6 +19,35 @@ pub struct MeshDescription {
     pub nodal_mass: Vec<f64>,
     /// Period along each axis \[m\].
     pub period: Vec<Option<f64>>,
+    /// The boundary; without facets where the engine does not tell it.
+    pub facets: FacetDescription,
+}
+
+/// The boundary of a mesh, in facets: edges in the plane, triangles in space. Flat numbers; shapes: see
+/// [`Field`].
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FacetDescription {
+    /// The boundaries that facets belong to.
+    pub boundaries: Vec<MeshBoundary>,
+    /// Coordinates of each facet's corners \[m\], d d numbers each: in the plane with the fluid on the left
+    /// of the way, in space seen counter-clockwise from outside.
+    pub position: Vec<f64>,
+    /// Number of each facet's boundary in `boundaries`.
+    pub boundary: Vec<u32>,
+    /// Velocity that the boundary gives the fluid there \[m/s\], d numbers each.
+    pub velocity: Vec<f64>,
+}
+
+impl FacetDescription {
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.boundary.len()
+    }
+
+    /// Boundaries of the facets as numbers of a field.
+    pub fn boundary_numbers(&self) -> Vec<f64> {
+        self.boundary.iter().map(|&number| number.into()).collect()
+    }
 }
 
 impl MeshDescription {

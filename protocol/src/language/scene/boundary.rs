@@ -30,6 +30,11 @@ pub enum Boundary<V = Vec<f64>> {
         /// Pressure (Pa).
         pressure: f64,
     },
+    /// u given, along the boundary: a wall that moves.
+    MovingWall {
+        /// Velocity of the wall (m/s).
+        velocity: V,
+    },
 }
 
 impl<V> Boundary<V> {
@@ -52,6 +57,9 @@ impl<V> Boundary<V> {
             Boundary::Open { pressure } => Boundary::Open {
                 pressure: *pressure,
             },
+            Boundary::MovingWall { velocity } => Boundary::MovingWall {
+                velocity: vector(velocity)?,
+            },
         })
     }
 }
@@ -63,8 +71,19 @@ impl<V: AsRef<[f64]>> Boundary<V> {
             Boundary::NoSlip | Boundary::Slip | Boundary::Periodic => None,
             Boundary::Inflow { velocity, .. } => Some(("inflow.velocity", velocity.as_ref())),
             Boundary::Open { pressure } => Some(("open.pressure", std::slice::from_ref(pressure))),
+            Boundary::MovingWall { velocity } => Some(("no-slip.velocity", velocity.as_ref())),
         }
     }
+}
+
+/// What grains meet at a boundary of the fluid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum GrainBoundary {
+    /// A wall.
+    Wall,
+    /// Nothing.
+    Open,
 }
 
 /// Shape of an inflow across its boundary.

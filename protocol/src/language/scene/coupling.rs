@@ -1,11 +1,14 @@
 //! The resolved scene as the coupler gets it: both engines' parts, how they are coupled, what is put out.
 
+use std::collections::BTreeMap;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::language::field::Field;
 use crate::language::role::Role;
 
+use super::boundary::GrainBoundary;
 use super::door::{dimension, fits};
 use super::fluid::FluidScene;
 use super::particles::ParticleScene;
@@ -34,6 +37,10 @@ pub struct CouplerScene {
     /// No grain moves and there is no particle process: the coupler answers for them.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub grains_stay: bool,
+    /// What grains meet at the boundaries of the fluid's mesh, by name: its facets are walls beside those
+    /// of `particles`. None: those are all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grain_boundaries: Option<BTreeMap<String, GrainBoundary>>,
     /// CSV with the initial grains: x,y,radius,density,vx,vy,fixed; relative to the run folder.
     pub grains_file: Option<String>,
     /// Coupling scheme.

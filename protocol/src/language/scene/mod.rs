@@ -9,7 +9,7 @@ mod door;
 mod fluid;
 mod particles;
 
-pub use boundary::{Boundary, Profile};
+pub use boundary::{Boundary, GrainBoundary, Profile};
 pub use convection::{CREEPING_REYNOLDS, Convection};
 pub use coupling::{
     AdaptiveStep, CouplerScene, DragLaw, Geometry, LUMPED_RATIO_MAX, Limits, Scheme,

@@ -50,19 +50,24 @@ impl ParticleScene {
             for corner in &wall.corners {
                 fits(d, &what, corner)?;
             }
+            let what = format!("the velocity of wall {number}");
+            wall.velocity.iter().try_for_each(|v| fits(d, &what, v))?;
         }
         Ok(())
     }
 }
 
 /// A flat wall with as many corners as the space has dimensions: a segment in the plane, a triangle in
-/// space. Grains are where its corners are counted counter-clockwise from, in the plane on the left of the
-/// way from the first corner to the second.
+/// space. Grains are on the left of the way from the first corner to the second, in space on the side from
+/// which its corners are seen clockwise.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
     /// Corners \[m\].
     pub corners: Vec<Vec<f64>>,
+    /// Velocity along itself \[m/s\], which rubs on the grains; none: it rests. Where it is does not change.
+    #[serde(default)]
+    pub velocity: Option<Vec<f64>>,
 }
 
 impl Wall {
@@ -70,6 +75,15 @@ impl Wall {
     pub fn segment(a: [f64; 2], b: [f64; 2]) -> Wall {
         Wall {
             corners: vec![a.to_vec(), b.to_vec()],
+            velocity: None,
+        }
+    }
+
+    /// The same, moving along itself.
+    pub fn moving(self, velocity: Option<[f64; 2]>) -> Wall {
+        Wall {
+            velocity: velocity.map(Vec::from),
+            ..self
         }
     }
 
@@ -132,6 +146,7 @@ mod tests {
                 vec![4.0, 0.0, 1.0],
                 vec![0.0, 4.0, 1.0],
             ],
+            velocity: None,
         };
         assert_eq!(triangle.distance(&[1.0, 1.0, 3.0]), 2.0);
         assert_eq!(triangle.distance(&[1.0, -3.0, 5.0]), 5.0);

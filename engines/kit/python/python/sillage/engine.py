@@ -32,7 +32,8 @@ class _Engine:
     #: ``entrained_fraction`` and ``solid_mobility``), ``"implicit-drag"`` (grains: ``grain_drag`` is in
     #: the free velocity and in the contact operator), ``"contact-state"`` (grains: ``grain_contact`` is
     #: 2 where a wall holds a grain), ``"checkpoint"`` (``restore`` brings back the same bits),
-    #: ``"convection-as-needed"`` (``scene["convection"]`` may be ``"auto"``: left out while small).
+    #: ``"convection-as-needed"`` (``scene["convection"]`` may be ``"auto"``: left out while small),
+    #: ``"moving-walls"`` (grains: the ``velocity`` of a wall, where it has one, enters the friction).
     capabilities = ()
 
     def commit(self):
