@@ -55,18 +55,21 @@ fn bench(criterion: &mut Criterion) {
         .map(|k| Vector::from([(2 * k) as f64, (2 * k + 1) as f64]).map(f64::sin))
         .collect();
     let mut group = criterion.benchmark_group("transfer of 1e4 grains");
-    for (name, length) in [("lumped mass", 0.0), ("smoothed over two cells", 2.0)] {
-        let transfer = Transfer::new(&mesh, length, 1.0).expect("a transfer");
-        let placement = transfer.place(&positions).expect("inside");
-        if length == 0.0 {
-            group.bench_function("place", |bencher| {
-                bencher.iter(|| transfer.place(black_box(&positions)).expect("inside"));
+    let transfer = Transfer::new(&mesh, 1.0);
+    for (name, radius) in [("of 0.2 cells", 0.1), ("of one cell", 0.5)] {
+        let radii = vec![radius; GRAINS];
+        let placement = transfer.place(&positions, &radii).expect("inside");
+        group.bench_function(format!("place grains {name}"), |bencher| {
+            bencher.iter(|| {
+                transfer
+                    .place(black_box(&positions), &radii)
+                    .expect("inside")
             });
-        }
-        group.bench_function(format!("deposit a vector, {name}"), |bencher| {
+        });
+        group.bench_function(format!("deposit a vector, grains {name}"), |bencher| {
             bencher.iter(|| transfer.deposit(&placement, |i| Vector::from([i as f64, 1.0])));
         });
-        group.bench_function(format!("sample a vector, {name}"), |bencher| {
+        group.bench_function(format!("sample a vector, grains {name}"), |bencher| {
             bencher.iter(|| transfer.sample(&placement, black_box(&field)));
         });
     }

@@ -137,7 +137,6 @@ mod tests {
             drag: DragLaw::Dallavalle,
             geometry: Geometry::Disk,
             reaction: true,
-            smoothing_length: None,
             output_every: Some(0.25),
             limits: Limits {
                 connect: 1.0,

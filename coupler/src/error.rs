@@ -52,8 +52,8 @@ pub enum CouplerError {
     },
     /// The porosity is not positive at a node.
     #[error(
-        "porosity {porosity:.4} at node {node} {at} m: it must stay above 0; use larger \
-         cells or a smoothing_length of at least two grain diameters"
+        "porosity {porosity:.4} at node {node} {at} m: it must stay above 0; the \
+         grains there are packed too densely for the cells, or overlap: use larger cells or fewer grains"
     )]
     Porosity {
         /// Which node.
@@ -62,14 +62,6 @@ pub enum CouplerError {
         porosity: f64,
         /// Its position \[m\].
         at: String,
-    },
-    /// The matrix of a smoothed transfer has no factor.
-    #[error("the transfer cannot be smoothed over {length:e} m on this mesh: {why}")]
-    Smoothing {
-        /// L \[m\].
-        length: f64,
-        /// Why.
-        why: String,
     },
     /// The passes of a step did not bring the defect below the tolerance.
     #[error(
@@ -148,7 +140,6 @@ impl CouplerError {
             | CouplerError::Dimension { .. }
             | CouplerError::ContactState { .. }
             | CouplerError::Porosity { .. }
-            | CouplerError::Smoothing { .. }
             | CouplerError::NotFinite { .. } => 7,
             CouplerError::NotConverged { .. } | CouplerError::StepTooSmall { .. } => 8,
             CouplerError::Interrupted { .. } => 130,

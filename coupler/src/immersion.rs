@@ -1,13 +1,13 @@
 //! Grains in a fluid: where they are on its mesh, their drag, and the force of the fluid on them.
 
-use protocol::scene::{DragLaw, Geometry, LUMPED_RATIO_MAX};
+use protocol::scene::{DragLaw, Geometry};
 use space::{Dim, Dimension, Vector, hypot};
 
 use crate::drag::laws::{self, Fluid, POROSITY_RANGE, Shape};
 use crate::drag::slip::implicit_slip_speed;
 use crate::error::{CouplerError, place};
 use crate::state::{Flow, Grains};
-use crate::transfer::deposit::{Placement, Transfer};
+use crate::transfer::{Placement, Transfer};
 
 /// What grains and fluid need of each other.
 #[derive(Debug)]
@@ -30,17 +30,17 @@ where
 {
     /// Grains on the mesh at xⁿ + ½Δt vⁿ: the mid-point removes the first-order spiral of grains
     /// that follow curved streamlines.
-    pub fn place(&self, grains: &Grains<D>, dt: f64) -> Result<Placement<N>, CouplerError> {
+    pub fn place(&self, grains: &Grains<D>, dt: f64) -> Result<Placement, CouplerError> {
         let paths = grains.position.iter().zip(&grains.velocity);
         let middle: Vec<Vector<D>> = paths.map(|(x, v)| x + v * (0.5 * dt)).collect();
-        self.transfer.place(&middle)
+        self.transfer.place(&middle, &grains.radius)
     }
 
     /// φ = 1 − T(V); an error names the first node where it is not positive.
     pub fn porosity(
         &self,
         grains: &Grains<D>,
-        placement: &Placement<N>,
+        placement: &Placement,
     ) -> Result<Vec<f64>, CouplerError> {
         let mut porosity = self.transfer.deposit(placement, |i| grains.volume[i]);
         porosity.iter_mut().for_each(|value| *value = 1.0 - *value);
@@ -61,7 +61,7 @@ where
         &self,
         grains: &Grains<D>,
         flow: &Flow<D>,
-        placement: &Placement<N>,
+        placement: &Placement,
         porosity: &[f64],
         dt: Option<f64>,
     ) -> Vec<f64> {
@@ -92,7 +92,7 @@ where
         &self,
         grains: &Grains<D>,
         flow: &Flow<D>,
-        placement: &Placement<N>,
+        placement: &Placement,
         drag: &[f64],
     ) -> Vec<Vector<D>> {
         let velocity = self.transfer.sample(placement, &flow.velocity);
@@ -100,17 +100,6 @@ where
         (0..drag.len())
             .map(|i| velocity[i] * drag[i] - gradient[i] * grains.volume[i])
             .collect()
-    }
-}
-
-/// L \[m\] where the scene does not say: twice the largest diameter, where that is not small
-/// against the cells; else 0.
-pub fn smoothing_length(radii: &[f64], cell: f64) -> f64 {
-    let diameter = 2.0 * radii.iter().fold(0.0_f64, |max, &radius| max.max(radius));
-    if diameter > LUMPED_RATIO_MAX * cell {
-        2.0 * diameter
-    } else {
-        0.0
     }
 }
 

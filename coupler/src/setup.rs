@@ -14,7 +14,7 @@ use crate::coupled::setting::Deferred;
 use crate::coupled::step::Coupled;
 use crate::drag::laws::Fluid;
 use crate::error::CouplerError;
-use crate::immersion::{Immersion, shapes, smoothing_length};
+use crate::immersion::{Immersion, shapes};
 use crate::one_way::OneWay;
 use crate::seats::door;
 use crate::seats::fluid::FluidSeat;
@@ -139,14 +139,12 @@ fn immersion<const D: usize, const N: usize>(
 where
     Dim<D>: Dimension<D>,
 {
-    let automatic = smoothing_length(radii, mesh.smallest_cell());
-    let length = scene.smoothing_length.unwrap_or(automatic);
     let depth = match scene.geometry {
         Geometry::Disk => 1.0,
         Geometry::Sphere { depth } => depth,
     };
     Ok(Immersion {
-        transfer: Transfer::new(mesh, length, depth)?,
+        transfer: Transfer::new(mesh, depth),
         fluid: Fluid {
             density: part.density,
             dynamic_viscosity: part.dynamic_viscosity,

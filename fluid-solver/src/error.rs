@@ -133,7 +133,7 @@ pub enum FluidError {
     },
     /// Porosity not positive at a node.
     #[error(
-        "porosity {value:e} at node {node} ({place}) must be positive: too many grains there for the mesh; smooth or refine less"
+        "porosity {value:e} at node {node} ({place}) must be positive: too many grains there for the mesh; use larger cells or fewer grains"
     )]
     Porosity {
         /// The node.

@@ -132,7 +132,6 @@ pub fn scene(
         drag: DragLaw::Dallavalle,
         geometry: Geometry::Disk,
         reaction: true,
-        smoothing_length: None,
         output_every: None,
         limits: Limits {
             connect: 10.0,

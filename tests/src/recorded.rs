@@ -139,8 +139,7 @@ fn held_bed() -> Case {
         Wall::segment([-slack, 0.0], [width + slack, 0.0]),
         Wall::segment([width + slack, 0.0], [width + slack, 2.0 * height]),
     ];
-    let mut scene = scene(Some(fluid), Some(engine), 1e-4, 4);
-    scene.smoothing_length = Some(0.0);
+    let scene = scene(Some(fluid), Some(engine), 1e-4, 4);
     Case {
         name: "held-bed",
         scene,

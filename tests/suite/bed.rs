@@ -86,7 +86,6 @@ fn the_pressure_drop_of_a_bed_of_frozen_grains_on_a_lattice_is_the_closed_form()
             1.0,
             3,
         );
-        scene.smoothing_length = Some(0.0);
         scene.scheme = Scheme::Staggered;
         let mut coupling = couple(scene, &grains);
         let mut energy: f64 = 0.0;
@@ -153,9 +152,7 @@ fn bed_scene(bed: &Bed, speed: f64, dt: f64) -> CouplerScene {
     ];
     // the fluid is periodic: both nodes of a row are one, and the porosity is uniform
     let fluid = column(bed.width, bed.height, [1, LAYERS / LAYERS_PER_CELL], speed);
-    let mut scene = scene(Some(fluid), Some(engine), dt, 1);
-    scene.smoothing_length = Some(0.0);
-    scene
+    scene(Some(fluid), Some(engine), dt, 1)
 }
 
 #[test]
@@ -223,7 +220,7 @@ fn a_uniform_bed_stays_below_minimum_fluidisation_and_lifts_above_it() {
                         report.passes
                     );
                 }
-                let allowed = if step == 1 { 15 } else { 25 };
+                let allowed = if step == 1 { 15 } else { 30 };
                 assert!(
                     report.passes <= allowed,
                     "U/U_mf {ratio} a 1e{exponent} step {step}: {} passes",

@@ -92,7 +92,6 @@ fn settle(scheme: Scheme, porosity: f64, stiffness: f64, ratio: f64) -> (f64, f6
     let mut setup = scene(Some(fluid), Some(engine), dt, STEPS);
     setup.drag = DragLaw::Stokes;
     setup.scheme = scheme;
-    setup.smoothing_length = Some(0.0);
     let mut coupling = couple(setup, &grains);
     let tau = porosity * relaxation * (porosity + (1.0 - porosity) / ratio);
     let (mut exact, mut worst, mut monotone, mut before) = (0.0, 0.0_f64, true, 0.0);

@@ -39,7 +39,6 @@ fn channel(dt: f64) -> CouplerScene {
     );
     fluid.initial_velocity = vec![0.0, SPEED];
     let mut scene = scene(Some(fluid), Some(particles([0.0; 2])), dt, 1);
-    scene.smoothing_length = Some(0.0);
     scene.scheme = Scheme::Staggered;
     scene.grains_stay = true;
     scene

@@ -113,12 +113,11 @@ fn the_steady_slip_of_every_material_is_the_closed_form_for_any_step() {
 
 /// Vertical velocity of the grain relative to the fluid around it, which is at rest to round-off.
 fn slip(coupling: &Simulation<2, 3>) -> f64 {
-    let transfer = Transfer::new(&coupling.system.fluid().expect("a fluid").mesh, 0.0, 1.0)
-        .expect("a transfer");
+    let transfer = Transfer::new(&coupling.system.fluid().expect("a fluid").mesh, 1.0);
     let grains = &coupling.state.grains;
     let back = 0.5 * coupling.scene.coupling_step;
     let middle = grains.position[0] - grains.velocity[0] * back;
-    let placement = transfer.place(&[middle]).expect("inside");
+    let placement = transfer.place(&[middle], &grains.radius).expect("inside");
     transfer.sample(&placement, &coupling.state.flow.velocity)[0][1] - grains.velocity[0][1]
 }
 

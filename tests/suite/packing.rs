@@ -18,6 +18,9 @@ const STEP_OF_DIAMETER: f64 = 0.05;
 
 fn container(friction: f64, gravity: f64) -> ParticleScene {
     let mut engine = particles([0.0, -gravity]);
+    // grains as large as these are spread over two cells: in steps of 1e6 relaxation times the first one
+    // moves pairs past each other by some hundred sub-steps
+    engine.sub_steps_max = 1000;
     let wall = Wall::segment;
     engine.walls = vec![
         wall([0.0, 4.0 * HEIGHT], [0.0, 0.0]),

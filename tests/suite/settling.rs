@@ -326,7 +326,6 @@ fn jittered(stiffness: f64, steps: usize, correction: bool) -> f64 {
     let mut scene = scene(Some(fluid), Some(engine), dt, steps);
     scene.drag = DragLaw::Stokes;
     scene.scheme = Scheme::Staggered;
-    scene.smoothing_length = Some(0.0);
     let mut coupling = couple(scene, &grains);
     if let (System::Coupled(coupled), false) = (&mut coupling.system, correction) {
         coupled.deferred = Deferred::LeftOut;

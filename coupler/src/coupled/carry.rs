@@ -12,7 +12,7 @@ use space::{Dim, Dimension, Vector};
 use crate::coupled::outcome::Pass;
 use crate::coupled::response::Model;
 use crate::state::Flow;
-use crate::transfer::deposit::{Placement, Transfer};
+use crate::transfer::{Placement, Transfer};
 
 /// The unbalanced force of a staggered step is carried on only below this defect: above it, the
 /// carry amplifies.
@@ -21,7 +21,7 @@ const CARRY_MAX: f64 = 1e-2;
 /// V A N (G* − G) \[N\] of every grain, for a fluid that was not given c.
 pub fn lagged_pressure_force<const D: usize, const N: usize>(
     transfer: &Transfer<D, N>,
-    placement: &Placement<N>,
+    placement: &Placement,
     model: &Model<D>,
     reference: &Flow<D>,
     flow: &Flow<D>,

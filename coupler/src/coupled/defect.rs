@@ -16,8 +16,8 @@ use space::{Dim, Dimension, Vector, hypot};
 use crate::coupled::response::Model;
 use crate::scale::{present, relative};
 use crate::state::Grains;
-use crate::transfer::deposit::{Placement, Transfer};
 use crate::transfer::quantity::nodal_norm;
+use crate::transfer::{Placement, Transfer};
 
 /// Part of a grain's weight that its forces are known to: neutral grains at rest feel nothing else.
 const ROUND_OFF: f64 = 1e-7;
@@ -89,7 +89,7 @@ impl<const D: usize> Scales<D> {
 pub fn measure<const D: usize, const N: usize>(
     scales: &Scales<D>,
     transfer: &Transfer<D, N>,
-    placement: &Placement<N>,
+    placement: &Placement,
     grains: &Grains<D>,
     model: &Model<D>,
     [force, residual, mean_velocity]: [&[Vector<D>]; 3],

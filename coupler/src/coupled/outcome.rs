@@ -5,7 +5,7 @@ use space::Vector;
 use crate::coupled::defect::Defect;
 use crate::coupled::response::Model;
 use crate::state::{Candidate, Flow, Response};
-use crate::transfer::deposit::Placement;
+use crate::transfer::Placement;
 
 /// What one pass gave (S2 to S6).
 #[derive(Debug, Clone)]
@@ -30,7 +30,7 @@ pub struct Outcome<const D: usize, const N: usize> {
     /// Fluid solves.
     pub passes: u32,
     /// The placement all transfers of the step used.
-    pub placement: Placement<N>,
+    pub placement: Placement,
     /// The model of the grains.
     pub model: Model<D>,
     /// What the fluid was given.

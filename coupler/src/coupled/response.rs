@@ -22,7 +22,7 @@
 use space::{Dim, Dimension, Vector};
 
 use crate::state::{Candidate, Flow, Grains, Response};
-use crate::transfer::deposit::{Placement, Transfer};
+use crate::transfer::{Placement, Transfer};
 
 /// Coefficients of (R2) for one grain: (S, D) with D in s/kg.
 pub fn free_response(mass: f64, drag: f64, dt: f64, sub_steps: u32) -> (f64, f64) {
@@ -158,7 +158,7 @@ impl<const D: usize> Response<D> {
     /// What only the matrix sees: it stays the same over the passes with one λ. The sources are empty.
     pub fn of_matrix<const N: usize>(
         transfer: &Transfer<D, N>,
-        placement: &Placement<N>,
+        placement: &Placement,
         porosity: Vec<f64>,
         model: &Model<D>,
     ) -> Response<D>
@@ -184,7 +184,7 @@ impl<const D: usize> Response<D> {
     pub fn correction<const N: usize>(
         &self,
         transfer: &Transfer<D, N>,
-        placement: &Placement<N>,
+        placement: &Placement,
         model: &Model<D>,
         reference: &Flow<D>,
     ) -> Correction<D>
@@ -218,7 +218,7 @@ impl<const D: usize> Response<D> {
     pub fn set_sources<const N: usize>(
         &mut self,
         transfer: &Transfer<D, N>,
-        placement: &Placement<N>,
+        placement: &Placement,
         model: &Model<D>,
         correction: &Correction<D>,
         force: &[Vector<D>],

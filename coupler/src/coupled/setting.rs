@@ -8,7 +8,7 @@ use crate::coupled::outcome::Pass;
 use crate::coupled::response::{Correction, Model};
 use crate::immersion::Immersion;
 use crate::state::{Candidate, Flow, Grains, Response};
-use crate::transfer::deposit::Placement;
+use crate::transfer::Placement;
 
 /// How good the deferred correction of an accepted pass must be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,7 +27,7 @@ pub struct Setting<'a, const D: usize, const N: usize> {
     /// The grains in their fluid.
     pub immersion: &'a Immersion<D, N>,
     /// Where they are on its mesh.
-    pub placement: &'a Placement<N>,
+    pub placement: &'a Placement,
     /// The accepted grains.
     pub grains: &'a Grains<D>,
     /// Length of the step \[s\].

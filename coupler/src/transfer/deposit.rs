@@ -1,59 +1,52 @@
 //! Deposit a quantity of the grains on the nodes, sample a nodal field at the grains.
 //!
 //! ```text
-//!   deposit   c = B⁻¹ Nᵀx,   B = M_ℓ + L²K      (T1)   lumped mass M_ℓ, stiffness K; L = 0: M_ℓ⁻¹ Nᵀx
-//!   sample    f_i = (N B⁻¹ M_ℓ f)_i             (T2)   the adjoint of (T1) in the mass M_ℓ
+//!   W_iα = Σ_p k_p N_α(x_i + y_p)          k_p, y_p: points of the kernel of grain i (T3), Σ k_p = 1
+//!   deposit   c_α = ℓ_α⁻¹ Σ_i W_iα x_i     (T1)   lumped mass ℓ
+//!   sample    f_i = Σ_α W_iα f_α           (T2)   the adjoint of (T1) in the mass ℓ
 //! ```
 //!
-//! so that Σ_α ℓ_α f_α c_α = Σ_i x_i f_i for any f, x: action = reaction. K 1 = 0 conserves the sum
-//! of what is deposited for every L. L ≥ 2d removes the mesh dependence of large grains. Spheres in
-//! a slab are deposited over its depth: the fluid is solved per metre of depth.
+//! so that Σ_α ℓ_α f_α c_α = Σ_i x_i f_i for any f, x: action = reaction. Σ_α W_iα = 1 conserves the sum
+//! of what is deposited: points beyond a wall are mirrored into the mesh. Every grain has a kernel of its
+//! own size; there is no length that belongs to all. Spheres in a slab are deposited over its depth: the
+//! fluid is solved per metre of depth.
 
 use space::{Dim, Dimension, Vector};
 
 use crate::error::CouplerError;
-use crate::transfer::kernel::Kernel;
-use crate::transfer::locate::{Locator, Stencil};
+use crate::transfer::bell::Bell;
+use crate::transfer::locate::Locator;
 use crate::transfer::mesh::Mesh;
-use crate::transfer::quantity::{Quantity, columns, set_columns};
+use crate::transfer::path::Ground;
+use crate::transfer::placement::{Gather, Placement};
+use crate::transfer::quantity::Quantity;
 
 /// The transfer between one mesh and any set of grains.
 #[derive(Debug)]
 pub struct Transfer<const D: usize, const N: usize> {
     locator: Locator<D, N>,
+    ground: Ground<D, N>,
     node_position: Vec<Vector<D>>,
     nodal_mass: Vec<f64>,
-    kernel: Option<Kernel>,
+    /// h around each node \[m\].
+    cell: Vec<f64>,
     depth: f64,
-}
-
-/// Where a set of grains is on the mesh.
-#[derive(Debug, Clone, Default)]
-pub struct Placement<const N: usize> {
-    stencils: Vec<Stencil<N>>,
 }
 
 impl<const D: usize, const N: usize> Transfer<D, N>
 where
     Dim<D>: Dimension<D>,
 {
-    /// Transfer on a mesh, smoothed over the length L \[m\] (0: lumped mass); `depth` \[m\] is that
-    /// of the slab for spheres in the plane, 1 otherwise.
-    pub fn new(
-        mesh: &Mesh<D, N>,
-        smoothing_length: f64,
-        depth: f64,
-    ) -> Result<Transfer<D, N>, CouplerError> {
-        let kernel = (smoothing_length > 0.0)
-            .then(|| Kernel::new(mesh, smoothing_length))
-            .transpose()?;
-        Ok(Transfer {
+    /// Transfer on a mesh; `depth` \[m\] is that of the slab for spheres in the plane, 1 otherwise.
+    pub fn new(mesh: &Mesh<D, N>, depth: f64) -> Transfer<D, N> {
+        Transfer {
             locator: Locator::new(mesh),
+            ground: Ground::new(mesh),
             node_position: mesh.node_position.clone(),
             nodal_mass: mesh.nodal_mass.clone(),
-            kernel,
+            cell: mesh.cell_of_nodes(),
             depth,
-        })
+        }
     }
 
     /// Lumped mass ℓ_α of the nodes \[m^D\].
@@ -76,63 +69,76 @@ where
         self.nodal_mass.len()
     }
 
-    /// Find grains (positions \[m\]) on the mesh.
-    pub fn place(&self, positions: &[Vector<D>]) -> Result<Placement<N>, CouplerError> {
-        let stencils = positions
-            .iter()
-            .enumerate()
-            .map(|(grain, point)| self.locator.locate(grain, point))
-            .collect::<Result<_, _>>()?;
-        Ok(Placement { stencils })
+    /// Find grains (positions and radii \[m\]) on the mesh.
+    pub fn place(&self, positions: &[Vector<D>], radii: &[f64]) -> Result<Placement, CouplerError> {
+        let mut placement = Placement::with_capacity(positions.len(), N * positions.len());
+        let mut gather = Gather::new(self.node_count());
+        for (grain, (point, &radius)) in positions.iter().zip(radii).enumerate() {
+            let centre = self.locator.locate(grain, point)?;
+            let mut cell = 0.0;
+            for (&node, &weight) in centre.nodes.iter().zip(&centre.weights) {
+                cell += self.cell[node as usize] * weight;
+            }
+            match Bell::of::<D>(radius, cell) {
+                None => placement.push(&centre.nodes, centre.weights),
+                Some(bell) => {
+                    let (locator, ground) = (&self.locator, &self.ground);
+                    gather.spread(bell, &centre, locator, ground, &mut placement);
+                }
+            }
+        }
+        Ok(placement)
     }
 
     /// (T1) of a number or a vector a grain.
     pub fn deposit<Q: Quantity>(
         &self,
-        placement: &Placement<N>,
+        placement: &Placement,
         value_of: impl Fn(usize) -> Q,
     ) -> Vec<Q> {
         let mut nodal = vec![Q::from_components(|_| 0.0); self.node_count()];
-        for (grain, stencil) in placement.stencils.iter().enumerate() {
+        for grain in 0..placement.grain_count() {
             let mut value = value_of(grain);
             value /= self.depth;
-            for (&node, &weight) in stencil.nodes.iter().zip(&stencil.weights) {
-                nodal[node as usize] += value * weight;
+            match placement.corners::<N>(grain) {
+                Some((nodes, weights)) => add(&mut nodal, value, nodes, weights),
+                None => {
+                    let (nodes, weights) = placement.entries(grain);
+                    add(&mut nodal, value, nodes, weights);
+                }
             }
         }
-        match &self.kernel {
-            Some(kernel) => {
-                let mut smoothed = columns(&nodal);
-                kernel.solve(&mut smoothed);
-                set_columns(&mut nodal, &smoothed);
-            }
-            None => {
-                let masses = nodal.iter_mut().zip(&self.nodal_mass);
-                masses.for_each(|(value, &mass)| *value /= mass);
-            }
-        }
+        let masses = nodal.iter_mut().zip(&self.nodal_mass);
+        masses.for_each(|(value, &mass)| *value /= mass);
         nodal
     }
 
     /// (T2) of a nodal field.
-    pub fn sample<Q: Quantity>(&self, placement: &Placement<N>, nodal: &[Q]) -> Vec<Q> {
-        let smoothed = self.kernel.as_ref().map(|kernel| {
-            let mut columns = columns(nodal);
-            let masses = self.nodal_mass.iter().cycle();
-            columns.iter_mut().zip(masses).for_each(|(f, l)| *f *= l);
-            kernel.solve(&mut columns);
-            let mut field = nodal.to_vec();
-            set_columns(&mut field, &columns);
-            field
-        });
-        let field = smoothed.as_deref().unwrap_or(nodal);
-        let at = |stencil: &Stencil<N>| {
-            let mut sum = field[stencil.nodes[0] as usize] * stencil.weights[0];
-            for k in 1..N {
-                sum += field[stencil.nodes[k] as usize] * stencil.weights[k];
+    pub fn sample<Q: Quantity>(&self, placement: &Placement, nodal: &[Q]) -> Vec<Q> {
+        let at = |grain: usize| match placement.corners::<N>(grain) {
+            Some((nodes, weights)) => sum(nodal, nodes, weights),
+            None => {
+                let (nodes, weights) = placement.entries(grain);
+                sum(nodal, nodes, weights)
             }
-            sum
         };
-        placement.stencils.iter().map(at).collect()
+        (0..placement.grain_count()).map(at).collect()
     }
+}
+
+/// Inlined where the length is known, and where it is not.
+#[inline(always)]
+fn add<Q: Quantity>(nodal: &mut [Q], value: Q, nodes: &[u32], weights: &[f64]) {
+    for (&node, &weight) in nodes.iter().zip(weights) {
+        nodal[node as usize] += value * weight;
+    }
+}
+
+#[inline(always)]
+fn sum<Q: Quantity>(nodal: &[Q], nodes: &[u32], weights: &[f64]) -> Q {
+    let mut sum = nodal[nodes[0] as usize] * weights[0];
+    for (&node, &weight) in nodes.iter().zip(weights).skip(1) {
+        sum += nodal[node as usize] * weight;
+    }
+    sum
 }

@@ -12,7 +12,9 @@ const RINGS: usize = 3;
 /// The nodes around one point and their shape functions; the weights sum to one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stencil<const N: usize> {
-    /// Corner nodes of the simplex.
+    /// The simplex.
+    pub simplex: u32,
+    /// Its corner nodes.
     pub nodes: [u32; N],
     /// Linear shape functions at the point, ≥ 0.
     pub weights: [f64; N],
@@ -100,9 +102,20 @@ where
 
     fn stencil(&self, index: u32, weights: [f64; N]) -> Stencil<N> {
         Stencil {
+            simplex: index,
             nodes: self.simplices[index as usize],
             weights,
         }
+    }
+
+    /// The corner nodes of a simplex.
+    pub fn nodes(&self, simplex: u32) -> &[u32; N] {
+        &self.simplices[simplex as usize]
+    }
+
+    /// The point of a stencil, in the coordinates of its simplex \[m\].
+    pub fn point(&self, stencil: &Stencil<N>) -> Vector<D> {
+        simplex::combine(&stencil.weights, &self.corners[stencil.simplex as usize])
     }
 }
 

@@ -26,4 +26,16 @@ where
         let volumes = self.corners.iter().map(simplex::determinant);
         simplex::cube_edge::<D>(volumes.fold(f64::INFINITY, f64::min))
     }
+    /// h around each node \[m\]: the mean over its simplices.
+    pub fn cell_of_nodes(&self) -> Vec<f64> {
+        let mut sum = vec![(0.0, 0.0); self.nodal_mass.len()];
+        for (nodes, corners) in self.simplices.iter().zip(&self.corners) {
+            let cell = simplex::cube_edge::<D>(simplex::determinant(corners));
+            for &node in nodes {
+                let (cells, count) = &mut sum[node as usize];
+                (*cells, *count) = (*cells + cell, *count + 1.0);
+            }
+        }
+        sum.iter().map(|(cells, count)| cells / count).collect()
+    }
 }

@@ -38,21 +38,6 @@ impl<const D: usize> Quantity for Vector<D> {
     }
 }
 
-/// All first components, then all second ones.
-pub fn columns<Q: Quantity>(values: &[Q]) -> Vec<f64> {
-    (0..Q::COMPONENTS)
-        .flat_map(|index| values.iter().map(move |value| value.component(index)))
-        .collect()
-}
-
-/// Write [`columns`] back.
-pub fn set_columns<Q: Quantity>(values: &mut [Q], columns: &[f64]) {
-    let count = values.len();
-    for (place, value) in values.iter_mut().enumerate() {
-        *value = Q::from_components(|index| columns[index * count + place]);
-    }
-}
-
 /// √(Σ_α ℓ_α |x_α|²) of a nodal field.
 pub fn nodal_norm<Q: Quantity>(mass: &[f64], field: &[Q]) -> f64 {
     let mut sum = 0.0;

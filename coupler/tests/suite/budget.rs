@@ -22,7 +22,7 @@ where
 {
     let mesh = cube::<D, N>(4, 0.3, false);
     Immersion {
-        transfer: Transfer::new(&mesh, 0.4, depth).expect("a transfer"),
+        transfer: Transfer::new(&mesh, depth),
         fluid: Fluid {
             density: DENSITY,
             dynamic_viscosity: 1.0,
@@ -43,7 +43,9 @@ where
     Dim<D>: Dimension<D>,
 {
     let transfer = &immersion.transfer;
-    let placement = transfer.place(&grains.position).expect("inside");
+    let placement = transfer
+        .place(&grains.position, &grains.radius)
+        .expect("inside");
     let model = model(grains, DT);
     let mut porosity = transfer.deposit(&placement, |i| grains.volume[i]);
     porosity.iter_mut().for_each(|value| *value = 1.0 - *value);

@@ -36,8 +36,10 @@ where
     Dim<D>: Dimension<D>,
 {
     let mesh = cube::<D, N>(3, 0.0, false);
-    let transfer = Transfer::new(&mesh, 0.0, 1.0).expect("a transfer");
-    let placement = transfer.place(places).expect("inside");
+    let transfer = Transfer::new(&mesh, 1.0);
+    let placement = transfer
+        .place(places, &vec![0.0; places.len()])
+        .expect("inside");
     let count = places.len();
     let grains = Grains {
         mass: vec![3.0; count],
@@ -98,8 +100,10 @@ fn round_off_of_the_forces_is_no_defect() {
         dt: 1.0,
     };
     let mesh = cube::<2, 3>(2, 0.0, false);
-    let transfer = Transfer::new(&mesh, 0.0, 1.0).expect("a transfer");
-    let placement = transfer.place(&[Vector::from([0.3, 0.3])]).expect("inside");
+    let transfer = Transfer::new(&mesh, 1.0);
+    let placement = transfer
+        .place(&[Vector::from([0.3, 0.3])], &[0.0])
+        .expect("inside");
     let grains = Grains {
         mass: vec![0.5],
         ..Grains::default()
@@ -140,8 +144,10 @@ fn what_is_owed_is_the_residual_and_the_lagged_pressure_force() {
     // above it the carry would amplify
     assert_eq!(owed(1.1e-2), lagged[0]);
     let mesh = cube::<2, 3>(2, 0.0, false);
-    let transfer = Transfer::new(&mesh, 0.0, 1.0).expect("a transfer");
-    let placement = transfer.place(&[Vector::from([0.3, 0.6])]).expect("inside");
+    let transfer = Transfer::new(&mesh, 1.0);
+    let placement = transfer
+        .place(&[Vector::from([0.3, 0.6])], &[0.0])
+        .expect("inside");
     let uniform = |gradient: Vector<2>| Flow {
         velocity: Vec::new(),
         pressure_gradient: vec![gradient; transfer.node_count()],

@@ -10,4 +10,5 @@ mod proximity;
 mod requests;
 mod response;
 mod sphere;
+mod spread;
 mod transfer;

@@ -160,7 +160,6 @@ fn scene(scheme: Scheme) -> CouplerScene {
         drag: DragLaw::Stokes,
         geometry: Geometry::Disk,
         reaction: true,
-        smoothing_length: Some(0.0),
         output_every: None,
         limits: LIMITS,
     }

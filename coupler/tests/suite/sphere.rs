@@ -21,7 +21,7 @@ fn one_sphere_falls_with_the_slip_at_which_drag_carries_its_weight() {
     let shape = Shape::new(Geometry::Sphere { depth: 1.0 }, radius, 1.0);
     let mesh = cube::<3, 4>(3, 0.3, false);
     let immersion = Immersion {
-        transfer: Transfer::new(&mesh, 0.0, 1.0).expect("a transfer"),
+        transfer: Transfer::new(&mesh, 1.0),
         fluid,
         gravity,
         law: DragLaw::Dallavalle,

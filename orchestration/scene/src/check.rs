@@ -313,9 +313,6 @@ impl<'a> Checker<'a> {
         if let Geometry::Sphere { depth } = coupling.geometry {
             self.positive("coupling.geometry.sphere.depth", depth, " m");
         }
-        if let Some(length) = coupling.smoothing_length {
-            self.not_negative("coupling.smoothing_length", length, " m");
-        }
         if let Some(AdaptiveStep {
             step_min,
             step_max,

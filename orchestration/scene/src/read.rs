@@ -8,6 +8,10 @@ use crate::problem::{Problem, Problems};
 /// What scenes cannot do yet.
 const PLANE: &str = "scenes are plane (x, y); three dimensions cannot be run yet";
 
+/// What has become of the length that all grains were smoothed over.
+const NO_LENGTH: &str = "no longer a key: every grain is spread over its own size, as far as the cells around \
+     it need; remove this line";
+
 /// All keys of a document; unknown keys and wrong types are refused with file and line.
 pub fn read(document: &Document) -> Result<SceneFile, Error> {
     serde_path_to_error::deserialize::<toml::Value, SceneFile>(document.tree.clone()).map_err(
@@ -29,6 +33,9 @@ fn explain(document: &Document, path: &str, message: &str) -> Problem {
         let key = join(path, first);
         if key == "dimension" {
             return document.problem(&key, format!("not a key: {PLANE}"));
+        }
+        if key == "coupling.smoothing_length" {
+            return document.problem(&key, NO_LENGTH);
         }
         return document.problem(
             &key,

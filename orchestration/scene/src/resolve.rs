@@ -222,7 +222,6 @@ fn coupler_part(
         drag: protocol::scene::DragLaw::Dallavalle,
         reaction: true,
         geometry: Geometry::Disk,
-        smoothing_length: None,
         adaptive: None,
     };
     let coupling = keys.coupling.as_ref().unwrap_or(&uncoupled);
@@ -241,7 +240,6 @@ fn coupler_part(
         drag: coupling.drag,
         geometry: coupling.geometry,
         reaction: coupling.reaction,
-        smoothing_length: coupling.smoothing_length,
         output_every: keys.output.every,
         limits: Limits {
             connect: keys.limits.connect,

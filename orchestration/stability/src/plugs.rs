@@ -83,7 +83,7 @@ pub fn plug(packing: Packing, per_cell: f64, stiffness: f64) -> Case {
         text: scenes::run(step, STEPS, 0.0)
             + &scenes::fluid(&mixture, &domain, SPEED).replace("INFLOW", &inflow)
             + &grains(packing, &mixture, width, side as usize)
-            + &scenes::coupling(&mixture, Some(0.0)),
+            + &scenes::coupling(&mixture),
         steps: STEPS,
         limit: Limit {
             column: "fluid_speed_max",

@@ -69,7 +69,7 @@ pub(crate) fn run(step: f64, steps: usize, gravity: f64) -> String {
     )
 }
 
-pub(crate) fn coupling(mixture: &Suspension, smoothing: Option<f64>) -> String {
+pub(crate) fn coupling(mixture: &Suspension) -> String {
     let law = match mixture.law {
         Law::Stokes => "stokes",
         Law::Dallavalle => "dallavalle",
@@ -78,10 +78,7 @@ pub(crate) fn coupling(mixture: &Suspension, smoothing: Option<f64>) -> String {
         Shape::Disk => "\"disk\"".into(),
         Shape::Sphere { depth } => format!("{{ sphere = {{ depth = {depth:e} }} }}"),
     };
-    let smoothing = smoothing.map_or(String::new(), |l| format!("smoothing_length = {l:e}\n"));
-    format!(
-        "[contact]\ntolerance = 1e-3\n[coupling]\ndrag = \"{law}\"\ngeometry = {geometry}\n{smoothing}"
-    )
+    format!("[contact]\ntolerance = 1e-3\n[coupling]\ndrag = \"{law}\"\ngeometry = {geometry}\n")
 }
 
 fn lattice(mixture: &Suspension, upper: [f64; 2], spacing: f64, speed: f64) -> String {
@@ -140,14 +137,13 @@ pub fn column(stiffness: f64, porosity: f64, ratio: f64, size: f64) -> Case {
     };
     let time = step * STEPS as f64;
     let (value, _) = mixture.settling(gravity, time);
-    let smoothing = (size <= 0.25).then_some(0.0);
     let settled = porosity * slip;
     Case {
         text: run(step, STEPS, gravity)
             + &fluid(&mixture, &domain, 0.0)
             + "[particles]\nwalls = \"none\"\n"
             + &lattice(&mixture, [width, height], spacing, 0.0)
-            + &coupling(&mixture, smoothing),
+            + &coupling(&mixture),
         steps: STEPS,
         limit: Limit {
             column: "fall_speed_median",
@@ -184,7 +180,7 @@ pub fn drift(reynolds: f64, stiffness: f64) -> Case {
         text: run(step, STEPS, 0.0)
             + &fluid(&mixture, &domain, 0.0)
             + &lattice(&mixture, [side, side], spacing, -speed)
-            + &coupling(&mixture, Some(0.0)),
+            + &coupling(&mixture),
         steps: STEPS,
         limit: Limit {
             column: "fall_speed",
@@ -229,7 +225,7 @@ pub fn translation(courant: f64, peclet: f64) -> Case {
         text: run(step, STEPS, 0.0)
             + &fluid(&mixture, &domain, -speed * mixture.porosity)
             + &grains
-            + &coupling(&mixture, None),
+            + &coupling(&mixture),
         steps: STEPS,
         limit: Limit {
             column: "fall_speed",
@@ -285,7 +281,7 @@ pub fn held(layers: f64, stiffness: f64) -> Case {
         )
         + &walls
         + &lattice(&bed, [width, height], 2.0 * radius, 0.0)
-        + &coupling(&bed, Some(0.0));
+        + &coupling(&bed);
     let weight = bed.density * gravity * height;
     Case {
         text,
@@ -358,7 +354,7 @@ pub fn pair(mixture: Suspension, step: f64) -> Case {
         text: run(step, steps, gravity)
             + &fluid(&mixture, &domain, 0.0)
             + &lattice(&mixture, [width, height], spacing, 0.0)
-            + &coupling(&mixture, None),
+            + &coupling(&mixture),
         steps,
         limit: Limit {
             column: "fall_speed_median",

@@ -3,11 +3,11 @@
 //! ```text
 //!   N_i(x) = barycentric coordinate of corner i,  ∇N_i constant,  Σ N_i = 1
 //!   ∇N_i = C_i/(D! V),   C_i = −(outward normal of the facet opposite to i), (D − 1)! times its size
-//!   ∫ N_i = V/N,   ∫ ∇N_i·∇N_j = V ∇N_i·∇N_j
+//!   ∫ N_i = V/N
 //! ```
 
 use crate::dimension::{Dim, Dimension, factorial};
-use crate::vector::{Vector, dot, from_fn, hypot};
+use crate::vector::{Vector, from_fn, hypot};
 
 /// Gradients and volume of one simplex with `N = D + 1` corners.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,17 +106,6 @@ pub const fn facet_corners<const D: usize>(i: usize) -> [usize; D] {
         (facet[1], facet[2]) = (facet[2], facet[1]);
     }
     facet
-}
-
-/// ∫∇N_i·∇N_j over the simplex \[m^(D−2)\].
-#[inline]
-pub fn stiffness<const D: usize, const N: usize>(corners: &[Vector<D>; N]) -> [[f64; N]; N]
-where
-    Dim<D>: Dimension<D>,
-{
-    let normal = cofactors(corners);
-    let scale = factorial(D) as f64 * determinant(corners);
-    normal.map(|a| normal.map(|b| dot(&a, &b) / scale))
 }
 
 /// N_i of a point, outside of the simplex too: the first is 1 minus the others.

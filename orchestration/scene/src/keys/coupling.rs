@@ -39,8 +39,6 @@ pub struct Coupling {
     /// What a grain is: "disk", or { sphere = { depth } } in a slab.
     #[serde(default = "disk")]
     pub geometry: Geometry,
-    /// Smoothing length of deposited fields (m); 0: none; left out: chosen from grain and cell size.
-    pub smoothing_length: Option<f64>,
     /// Adaptive coupling step: { step_min, step_max, courant }.
     pub adaptive: Option<AdaptiveStep>,
 }

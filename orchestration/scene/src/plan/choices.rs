@@ -72,18 +72,18 @@ fn plain(part: &'static str, chosen: &str, reason: impl Into<String>) -> Choice 
 
 /// All choices of a scene.
 pub fn choices(scene: &Scene) -> Vec<Choice> {
-    let smoothing = smoothing(scene);
-    let smoothed = smoothing.as_ref().is_some_and(|(_, smoothed)| *smoothed);
-    let cost = Cost::of(scene, smoothed);
+    let spreading = spreading(scene);
+    let spread = spreading.as_ref().is_some_and(|(_, spread)| *spread);
+    let cost = Cost::of(scene, spread);
     let mut choices = Vec::new();
     choices.extend(convection(scene, &cost));
     choices.extend(contacts(scene, &cost));
     choices.extend(walls(scene));
     choices.extend(friction(scene));
-    choices.extend(smoothing.map(|(choice, smoothed)| Choice {
-        saves: (!smoothed).then(|| {
+    choices.extend(spreading.map(|(choice, spread)| Choice {
+        saves: (!spread).then(|| {
             let with = Cost::of(scene, true);
-            with.share(with.smoothing)
+            with.share(with.spreading)
         }),
         ..choice
     }));
@@ -283,16 +283,11 @@ fn friction(scene: &Scene) -> Option<Choice> {
     })
 }
 
-/// The choice, and whether the transfer is smoothed.
-fn smoothing(scene: &Scene) -> Option<(Choice, bool)> {
+/// The choice, and whether grains are spread over more than one point.
+fn spreading(scene: &Scene) -> Option<(Choice, bool)> {
     let coupler = &scene.coupler;
     let (fluid, _) = (coupler.fluid.as_ref()?, coupler.particles.as_ref()?);
-    const PART: &str = "diffusion of the transfer";
-    if let Some(length) = coupler.smoothing_length {
-        let chosen = if length > 0.0 { "there" } else { "left out" };
-        let reason = format!("coupling.smoothing_length = {length:e} m");
-        return Some((plain(PART, chosen, reason), length > 0.0));
-    }
+    const PART: &str = "spreading of grains";
     let MeshSource::Rectangle {
         lower,
         upper,
@@ -301,7 +296,7 @@ fn smoothing(scene: &Scene) -> Option<(Choice, bool)> {
         ..
     } = &fluid.mesh
     else {
-        let reason = "there where a grain's diameter is above 0.25 of the smallest cell";
+        let reason = "there for grains whose diameter is above 0.25 of the cells around them";
         return Some((
             plain(PART, "decided by the mesh of the file", reason),
             false,
@@ -311,10 +306,10 @@ fn smoothing(scene: &Scene) -> Option<(Choice, bool)> {
     let cell = (sides[0] * sides[1]).sqrt() / (grading[0] * grading[1]).sqrt();
     let diameter = 2.0 * scene.grains.radius.iter().copied().fold(0.0, f64::max);
     let ratio = diameter / cell;
-    let smoothed = ratio > LUMPED_RATIO_MAX;
-    let (chosen, reason) = match smoothed {
+    let spread = ratio > LUMPED_RATIO_MAX;
+    let (chosen, reason) = match spread {
         true => (
-            "there, over two diameters",
+            "there, each grain over 2.75 of its radii or two cells",
             "grains are not small beside the cells",
         ),
         false => ("left out", "grains are small beside the cells"),
@@ -324,7 +319,7 @@ fn smoothing(scene: &Scene) -> Option<(Choice, bool)> {
         value: Some(ratio),
         ..plain(PART, chosen, format!("{reason}: diameter over cell"))
     };
-    Some((choice, smoothed))
+    Some((choice, spread))
 }
 
 fn passes(scene: &Scene) -> Option<Choice> {

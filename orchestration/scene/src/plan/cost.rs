@@ -4,7 +4,7 @@
 //!   fluid      1.4 µs a triangle (assembly) + 0.94 µs N^1.2 (factor) + 0.9 µs N (solves), N nodes
 //!   grains     1.1 µs a grain, 0.4 of it the search for contacts when it is made each time;
 //!              dry: 20 µs more, the contacts
-//!   coupler    0.1 µs a node + 0.9 µs a grain; 0.5 µs a node more with a smoothed transfer
+//!   coupler    0.1 µs a node + 0.9 µs a grain; 2 µs a grain more where grains are spread
 //! ```
 //!
 //! One pass on one thread, from the scenes of this repository (docs/leaving-out.md).
@@ -26,13 +26,13 @@ pub struct Cost {
     pub grains: f64,
     /// Transfer, drag, budgets.
     pub coupler: f64,
-    /// Linear solves of a smoothed transfer.
-    pub smoothing: f64,
+    /// Points of grains that are spread.
+    pub spreading: f64,
 }
 
 impl Cost {
-    /// Of a scene whose transfer is smoothed or not; a mesh file counts as 10 000 nodes.
-    pub fn of(scene: &Scene, smoothed: bool) -> Cost {
+    /// Of a scene whose grains are spread or not; a mesh file counts as 10 000 nodes.
+    pub fn of(scene: &Scene, spread: bool) -> Cost {
         let nodes = match scene.coupler.fluid.as_ref().map(|fluid| &fluid.mesh) {
             None => 0.0,
             Some(MeshSource::File { .. }) => 1e4,
@@ -53,18 +53,14 @@ impl Cost {
             search: 0.4e-6 * grains,
             grains: if nodes > 0.0 { 0.7e-6 } else { 20.7e-6 } * grains,
             coupler: coupled * (0.1e-6 * nodes + 0.9e-6 * grains),
-            smoothing: if smoothed {
-                coupled * 0.5e-6 * nodes
-            } else {
-                0.0
-            },
+            spreading: if spread { coupled * 2e-6 * grains } else { 0.0 },
         }
     }
 
     /// This part of it.
     pub fn share(&self, seconds: f64) -> f64 {
         let fluid = self.matrix + self.solve;
-        let total = fluid + self.search + self.grains + self.coupler + self.smoothing;
+        let total = fluid + self.search + self.grains + self.coupler + self.spreading;
         seconds / total.max(f64::MIN_POSITIVE)
     }
 }

@@ -63,6 +63,19 @@ fn assert_names(message: &str, parts: &[&str]) {
 }
 
 #[test]
+fn the_length_that_all_grains_were_smoothed_over_is_refused_with_what_to_do() {
+    let text = coupled() + "smoothing_length = 0.0\n";
+    assert_names(
+        &refusal(&text, &[]),
+        &[
+            "coupling.smoothing_length",
+            "no longer a key",
+            "remove this line",
+        ],
+    );
+}
+
+#[test]
 fn unknown_key_is_refused_with_line_and_nearest_key() {
     let text = CLEAR_FLUID.replace("density", "densty");
     assert_names(

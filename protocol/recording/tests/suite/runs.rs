@@ -35,7 +35,6 @@ pub fn begin(cells: usize) -> Begin {
         drag: DragLaw::Dallavalle,
         geometry: Geometry::Disk,
         reaction: true,
-        smoothing_length: None,
         output_every: None,
         limits: Limits {
             connect: 1.0,

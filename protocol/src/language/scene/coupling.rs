@@ -13,7 +13,8 @@ use super::door::{dimension, fits};
 use super::fluid::FluidScene;
 use super::particles::ParticleScene;
 
-/// Deposited fields keep the lumped mass up to this ratio of grain diameter to cell size.
+/// A grain is a point of the mesh up to this ratio of its diameter to the cells around it; a larger one is
+/// spread.
 pub const LUMPED_RATIO_MAX: f64 = 0.25;
 
 /// What the coupler needs to know: the resolved scene, written to the run folder as JSON.
@@ -51,8 +52,6 @@ pub struct CouplerScene {
     pub geometry: Geometry,
     /// Does the fluid feel the grains?
     pub reaction: bool,
-    /// Smoothing length L of deposited fields \[m\]; 0: lumped mass. None: 2d where d/h > 0.25.
-    pub smoothing_length: Option<f64>,
     /// Time between snapshots \[s\]; none: only the last state.
     pub output_every: Option<f64>,
     /// Limits on waiting for an engine.

@@ -1,0 +1,114 @@
+//! Straight paths through a mesh, thrown back by its boundary.
+
+use space::{Dim, Dimension, Vector, simplex};
+
+use crate::transfer::mesh::Mesh;
+use crate::transfer::neighbours::Neighbours;
+
+/// Simplices that a path may cross.
+const CROSSED_MAX: usize = 10_000;
+/// Barycentric tolerance of being inside.
+const INSIDE: f64 = -1e-12;
+
+/// A point of the mesh, in the coordinates of its simplex.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spot<const D: usize> {
+    /// The simplex around it.
+    pub simplex: u32,
+    /// The point \[m\].
+    pub point: Vector<D>,
+}
+
+/// Where a path ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct End<const D: usize, const N: usize> {
+    /// The point that it reaches.
+    pub spot: Spot<D>,
+    /// Linear shape functions there, ≥ −1e-12.
+    pub weights: [f64; N],
+    /// Did the boundary throw it back?
+    pub thrown_back: bool,
+}
+
+/// A mesh to walk through.
+#[derive(Debug)]
+pub struct Ground<const D: usize, const N: usize> {
+    corners: Vec<[Vector<D>; N]>,
+    neighbours: Neighbours<D, N>,
+}
+
+impl<const D: usize, const N: usize> Ground<D, N>
+where
+    Dim<D>: Dimension<D>,
+{
+    /// Of a mesh.
+    pub fn new(mesh: &Mesh<D, N>) -> Ground<D, N> {
+        Ground {
+            corners: mesh.corners.clone(),
+            neighbours: Neighbours::new(mesh),
+        }
+    }
+
+    /// Go `by` \[m\] from a spot, thrown back by every facet of the boundary like light by a mirror, so
+    /// that the end is in the mesh. None: after 10 000 simplices still on the way.
+    pub fn go(&self, from: Spot<D>, by: &Vector<D>) -> Option<End<D, N>> {
+        let (mut simplex, mut start) = (from.simplex, from.point);
+        let (mut end, mut thrown_back) = (start + by, false);
+        for _ in 0..CROSSED_MAX {
+            let corners = &self.corners[simplex as usize];
+            let weights = simplex::weights(corners, &end);
+            if weights.iter().all(|&weight| weight >= INSIDE) {
+                let spot = Spot {
+                    simplex,
+                    point: end,
+                };
+                return Some(End {
+                    spot,
+                    weights,
+                    thrown_back,
+                });
+            }
+            let (facet, share) = way_out(&simplex::weights(corners, &start), &weights);
+            match self.neighbours.behind(simplex, facet) {
+                Some(behind) => {
+                    simplex = behind.simplex;
+                    start += behind.shift;
+                    end += behind.shift;
+                }
+                None => {
+                    start += (end - start) * share;
+                    end -= beyond(corners, facet, weights[facet]) * 2.0;
+                    thrown_back = true;
+                }
+            }
+        }
+        None
+    }
+}
+
+/// The facet through which a path leaves a simplex, and at which share of its length, by the shape
+/// functions at its ends.
+fn way_out<const N: usize>(start: &[f64; N], end: &[f64; N]) -> (usize, f64) {
+    let mut first = (0, f64::INFINITY);
+    for k in (0..N).filter(|&k| end[k] < INSIDE) {
+        let inside = start[k].max(0.0);
+        let share = inside / (inside - end[k]);
+        if share < first.1 {
+            first = (k, share);
+        }
+    }
+    first
+}
+
+/// From the plane of a facet to a point whose shape function of the opposite corner is `weight`.
+fn beyond<const D: usize, const N: usize>(
+    corners: &[Vector<D>; N],
+    facet: usize,
+    weight: f64,
+) -> Vector<D>
+where
+    Dim<D>: Dimension<D>,
+{
+    let normal = simplex::cofactors(corners)[facet];
+    normal * (weight * simplex::determinant(corners) / normal.norm_squared())
+}

@@ -1,0 +1,136 @@
+//! The nodes of each grain and their weights: where it is on the mesh.
+
+use space::{Dim, Dimension, Vector};
+
+use crate::transfer::bell::Bell;
+use crate::transfer::locate::{Locator, Stencil};
+use crate::transfer::path::{Ground, Spot};
+
+/// Where a set of grains is on the mesh. The weights of a grain are ≥ 0 and sum to one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placement {
+    /// Entries of grain i: `start[i]..start[i + 1]`.
+    start: Vec<usize>,
+    nodes: Vec<u32>,
+    weights: Vec<f64>,
+}
+
+impl Default for Placement {
+    fn default() -> Placement {
+        Placement {
+            start: vec![0],
+            nodes: Vec::new(),
+            weights: Vec::new(),
+        }
+    }
+}
+
+impl Placement {
+    /// Of no grain yet; there is room for grains of this many nodes in all.
+    pub fn with_capacity(grains: usize, nodes: usize) -> Placement {
+        let mut start = Vec::with_capacity(grains + 1);
+        start.push(0);
+        Placement {
+            start,
+            nodes: Vec::with_capacity(nodes),
+            weights: Vec::with_capacity(nodes),
+        }
+    }
+
+    /// Number of grains.
+    pub fn grain_count(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    /// Nodes of a grain and their weights.
+    #[inline]
+    pub fn entries(&self, grain: usize) -> (&[u32], &[f64]) {
+        let range = self.start[grain]..self.start[grain + 1];
+        (&self.nodes[range.clone()], &self.weights[range])
+    }
+
+    /// The same of a grain that is the point of one simplex: their number is known.
+    #[inline]
+    pub fn corners<const N: usize>(&self, grain: usize) -> Option<(&[u32; N], &[f64; N])> {
+        let (nodes, weights) = self.entries(grain);
+        Some((nodes.try_into().ok()?, weights.try_into().ok()?))
+    }
+
+    /// One more grain.
+    pub fn push(&mut self, nodes: &[u32], weights: impl IntoIterator<Item = f64>) {
+        self.nodes.extend_from_slice(nodes);
+        self.weights.extend(weights);
+        debug_assert_eq!(self.nodes.len(), self.weights.len());
+        self.start.push(self.nodes.len());
+    }
+}
+
+/// Gathers the weights that the points of one grain give to nodes.
+#[derive(Debug)]
+pub struct Gather {
+    /// Of every node of the mesh; 0 between grains.
+    weight: Vec<f64>,
+    touched: Vec<u32>,
+}
+
+impl Gather {
+    /// For a mesh with this many nodes.
+    pub fn new(node_count: usize) -> Gather {
+        Gather {
+            weight: vec![0.0; node_count],
+            touched: Vec::new(),
+        }
+    }
+
+    /// Spread a grain whose centre is there. Each point is sought from the one before it, or from the
+    /// centre where that is nearer or a wall came between; one that is never reached (`path`) leaves its
+    /// weight to the others.
+    pub fn spread<const D: usize, const N: usize>(
+        &mut self,
+        bell: Bell,
+        centre: &Stencil<N>,
+        locator: &Locator<D, N>,
+        ground: &Ground<D, N>,
+        placement: &mut Placement,
+    ) where
+        Dim<D>: Dimension<D>,
+    {
+        let centre = Spot {
+            simplex: centre.simplex,
+            point: locator.point(centre),
+        };
+        let mut last: Option<(Spot<D>, Vector<D>)> = None;
+        for (offset, weight) in bell.points::<D>() {
+            let near = last.and_then(|(spot, at)| {
+                let by = offset - at;
+                let nearer = by.norm_squared() < offset.norm_squared();
+                let end = nearer.then(|| ground.go(spot, &by)).flatten();
+                end.filter(|end| !end.thrown_back)
+            });
+            let Some(end) = near.or_else(|| ground.go(centre, &offset)) else {
+                continue;
+            };
+            last = (!end.thrown_back).then_some((end.spot, offset));
+            self.add(locator.nodes(end.spot.simplex), &end.weights, weight);
+        }
+        let gathered = |&node: &u32| self.weight[node as usize];
+        let total: f64 = self.touched.iter().map(gathered).sum();
+        let shares = self.touched.iter().map(|&node| {
+            let gathered = std::mem::take(&mut self.weight[node as usize]);
+            gathered / total
+        });
+        placement.push(&self.touched, shares);
+        self.touched.clear();
+    }
+
+    fn add<const N: usize>(&mut self, nodes: &[u32; N], shape: &[f64; N], weight: f64) {
+        let corners = nodes.iter().zip(shape);
+        for (&node, &shape) in corners.filter(|&(_, &shape)| shape > 0.0) {
+            let gathered = &mut self.weight[node as usize];
+            if *gathered == 0.0 {
+                self.touched.push(node);
+            }
+            *gathered += weight * shape;
+        }
+    }
+}
