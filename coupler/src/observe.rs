@@ -154,10 +154,12 @@ impl Row {
     }
 }
 
-/// Numbers of the fluid engine that stand in `steps.csv` as they are: inflow \[m²/s\], pressure drop
-/// \[Pa\], forces on walls and bodies \[N/m\].
+/// Numbers of the fluid engine that stand in `steps.csv` as they are: inflow and outflow \[m²/s\],
+/// pressure drop \[Pa\], mean pressure gradient where it steers the flow \[Pa/m\], forces on walls and bodies
+/// \[N/m\].
 fn is_column(name: &str) -> bool {
-    matches!(name, "inflow" | "pressure_drop")
+    matches!(name, "inflow" | "outflow" | "pressure_drop")
+        || name.starts_with("mean_pressure_gradient_")
         || AXES.iter().any(|axis| {
             let force = name.strip_prefix("force_");
             let along = force.and_then(|rest| rest.strip_prefix(axis));

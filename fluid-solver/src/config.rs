@@ -46,6 +46,9 @@ pub struct FluidConfig<const D: usize> {
     pub gravity: Vector<D>,
     /// Conditions by boundary name; "all" for those not named.
     pub boundaries: BTreeMap<String, Condition<D>>,
+    /// Mean flux of the mixture along periodic axes \[m/s\], steered by a uniform pressure gradient; none: as
+    /// the forces have it.
+    pub mean_flow: Option<Vector<D>>,
     /// Is ρφ v·∇v there?
     pub convection: bool,
     /// Re of (R1) in `equations::creeping` below which a step is solved without convection, until a step
@@ -75,6 +78,7 @@ impl<const D: usize> FluidConfig<D> {
             dynamic_viscosity,
             gravity: Vector::zeros(),
             boundaries: BTreeMap::new(),
+            mean_flow: None,
             convection: true,
             creeping_below: None,
             time_scheme: TimeScheme::BackwardEuler,

@@ -1,9 +1,10 @@
 //! The discrete problem of one step, and the candidate made of its solution.
 
-use space::{Dim, Dimension};
+use space::{Dim, Dimension, Period, Vector, hypot};
 
 use crate::boundary::condition::resolve_names;
 use crate::boundary::constraints::Constraints;
+use crate::boundary::flux::BoundaryFlux;
 use crate::boundary::frame::velocity_of;
 use crate::candidate::{Candidate, Request};
 use crate::config::{FluidConfig, Nonlinear, TimeScheme};
@@ -11,6 +12,7 @@ use crate::cost::{Cost, cpu_seconds};
 use crate::diagnostics::solved::Solved;
 use crate::equations::coefficients::Coefficients;
 use crate::equations::creeping::Creeping;
+use crate::equations::drive::Drive;
 use crate::error::FluidError;
 use crate::linear::solver::LinearSolver;
 use crate::linear::system::System;
@@ -72,6 +74,7 @@ pub struct Problem<const D: usize, const N: usize> {
     system: System<N>,
     linear: LinearSolver<N>,
     key: Option<MatrixKey<D>>,
+    drive: Option<Drive<D>>,
     creeping: Creeping,
     /// CPU time since the last commit.
     cost: Cost,
@@ -85,13 +88,14 @@ where
     pub fn new(config: FluidConfig<D>, mesh: Mesh<D, N>) -> Result<Problem<D, N>, FluidError> {
         let conditions = resolve_names(&config.boundaries, &mesh.boundary_names)?;
         let constraints = Constraints::new(&mesh, conditions, config.density, &config.gravity)?;
-        constraints.boundary_flux(&mesh, &constraints.values(&mesh, 0.0))?;
+        constraints.boundary_flux(&mesh, 0.0)?;
         let system = System::new(mesh.node_count(), &mesh.simplices);
         Ok(Problem {
             linear: LinearSolver::new(&system.pattern, &mesh.position, constraints.fixed.clone()),
             creeping: Creeping::new(config.density, config.dynamic_viscosity, &mesh),
             cost: Cost::default(),
             key: None,
+            drive: drive(&config, &mesh.period)?,
             config,
             mesh,
             constraints,
@@ -176,7 +180,7 @@ where
             solid: &step.solid,
         };
         let given = self.constraints.values(&self.mesh, step.time);
-        let flux = self.constraints.boundary_flux(&self.mesh, &given)?;
+        let flux = self.constraints.boundary_flux(&self.mesh, step.time)?;
         let mut equations = Equations {
             mesh: &self.mesh,
             constraints: &self.constraints,
@@ -184,7 +188,8 @@ where
             linear: &mut self.linear,
             key: &mut self.key,
             given: &given,
-            flux: &flux,
+            flux: &flux.of_node,
+            drive: self.drive,
             cost: &mut self.cost,
         };
         let solution = if iterated {
@@ -202,13 +207,22 @@ where
         Ok(with_costs(candidate, &self.cost))
     }
 
+    /// ℓ⁻¹ ∫N ∇p by node, the uniform part that steers the mean flow included.
+    fn pressure_gradient(&self, pressure: &[f64], driving: &Vector<D>) -> Vec<Vector<D>> {
+        let mut gradient = self.mesh.averaged_gradient(pressure);
+        if self.drive.is_some() {
+            gradient.iter_mut().for_each(|g| *g += driving);
+        }
+        gradient
+    }
+
     /// Fields and numbers of a solution, and what the numbers cost \[s\].
     fn finish(
         &self,
         step: &Step<'_, D>,
         terms: &Coefficients<'_, D>,
         solution: &Solution<D>,
-        flux: &[f64],
+        flux: &BoundaryFlux,
     ) -> Result<(Candidate<D>, f64), FluidError> {
         let unknowns = &solution.unknowns;
         let velocity = velocity_of(unknowns, &self.constraints.frames);
@@ -226,10 +240,13 @@ where
             unknowns,
             reaction: &self.system.reaction(unknowns),
             flux,
+            drive: self.drive,
+            driving: solution.driving,
         };
         let (powers, forces) = (solved.powers(), solved.forces());
         let mut diagnostics = powers.numbers();
-        diagnostics.extend(solved.inflow());
+        diagnostics.extend(solved.through_flow());
+        diagnostics.extend(solved.mean_pressure_gradient());
         diagnostics.extend(solved.wall_forces(&forces));
         diagnostics.extend(solution.effort.numbers());
         let now = Flow {
@@ -241,7 +258,7 @@ where
         let candidate = Candidate {
             request: step.request,
             interstitial_velocity: now.interstitial_velocity(),
-            pressure_gradient: self.mesh.averaged_gradient(&pressure),
+            pressure_gradient: self.pressure_gradient(&pressure, &solution.driving),
             powers,
             forces,
             reynolds,
@@ -257,6 +274,34 @@ where
             },
         };
         Ok((candidate, cost))
+    }
+}
+
+/// What the configuration asks of the mean flow through periodic sides.
+fn drive<const D: usize>(
+    config: &FluidConfig<D>,
+    period: &Period<D>,
+) -> Result<Option<Drive<D>>, FluidError> {
+    let Some(velocity) = config.mean_flow else {
+        return Ok(None);
+    };
+    let axes = period.map(|period| period.is_some());
+    let parameter = |value: f64, why: &'static str| FluidError::Parameter {
+        name: "mean_flow",
+        value,
+        why,
+    };
+    if !axes.contains(&true) {
+        let why = "no side is periodic, so what flows in says what flows through: leave it out";
+        return Err(parameter(hypot(&velocity), why));
+    }
+    let across = (0..D).find(|&k| !axes[k] && velocity[k] != 0.0);
+    match across {
+        None => Ok(Some(Drive { velocity, axes })),
+        Some(k) => {
+            let why = "must be 0 along an axis whose sides are not periodic";
+            Err(parameter(velocity[k], why))
+        }
     }
 }
 

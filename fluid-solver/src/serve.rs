@@ -9,9 +9,11 @@ use protocol::message::{
     Advance, BoundaryKind, Capability, Diagnostic, Failure, FailureKind, MeshBoundary,
 };
 use protocol::report::FluidReport;
-use protocol::scene::{self, CREEPING_REYNOLDS, Convection, FluidScene, MeshSource, fixed};
+use protocol::scene::{
+    self, CREEPING_REYNOLDS, Convection, FluidScene, MeanFlow, MeshSource, fixed,
+};
 
-use space::flat;
+use space::{Vector, flat};
 
 use crate::boundary::condition::{Condition, periodic_directions};
 use crate::candidate::Request;
@@ -49,6 +51,7 @@ impl FluidEngine for Engine {
             Capability::AffineResponse,
             Capability::Checkpoint,
             Capability::ConvectionAsNeeded,
+            Capability::SteersMeanFlow,
         ]
     }
 
@@ -190,6 +193,11 @@ fn config(scene: &FluidScene) -> Result<FluidConfig<2>, String> {
     config.grad_div = scene.grad_div;
     config.threads = scene.threads;
     config.initial_velocity = fixed(&scene.initial_velocity)?.into();
+    config.mean_flow = match &scene.mean_flow {
+        MeanFlow::Free => None,
+        MeanFlow::Zero => Some(Vector::zeros()),
+        MeanFlow::Velocity(velocity) => Some(fixed(velocity)?.into()),
+    };
     config.time_scheme = match scene.time_scheme {
         scene::TimeScheme::BackwardEuler => TimeScheme::BackwardEuler,
         scene::TimeScheme::Bdf2 => TimeScheme::Bdf2,
@@ -339,6 +347,7 @@ mod tests {
             grad_div: 1.0,
             initial_velocity: vec![0.0; 2],
             threads: 1,
+            mean_flow: MeanFlow::Free,
         }
     }
 

@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use space::{Dim, Dimension};
+use space::{Dim, Dimension, Vector};
 
 use crate::boundary::constraints::Constraints;
 use crate::boundary::frame::velocity_of;
@@ -15,6 +15,7 @@ use crate::config::Nonlinear;
 use crate::cost::{Cost, cpu_seconds};
 use crate::equations::assembly::Assembly;
 use crate::equations::coefficients::Coefficients;
+use crate::equations::drive::{Border, Drive};
 use crate::error::FluidError;
 use crate::linear::solver::LinearSolver;
 use crate::linear::system::System;
@@ -96,6 +97,8 @@ impl Effort {
 pub struct Solution<const D: usize> {
     /// The components of u and p, node by node.
     pub unknowns: Vec<f64>,
+    /// The uniform part of ∇p that steers the mean flow \[Pa/m\]; 0 where nothing does.
+    pub driving: Vector<D>,
     /// The flow that convects, where it was found by iteration.
     pub convecting: Option<Flow<D>>,
     /// What it took.
@@ -118,6 +121,8 @@ pub struct Equations<'a, const D: usize, const N: usize> {
     pub given: &'a [f64],
     /// ∮ N_i Q_n
     pub flux: &'a [f64],
+    /// What the flow is to do on the whole, where that is steered.
+    pub drive: Option<Drive<D>>,
     /// CPU time so far.
     pub cost: &'a mut Cost,
 }
@@ -135,8 +140,10 @@ where
             self.factorise(&mut effort);
             *self.key = Some(MatrixKey::new(terms));
         }
+        let (unknowns, driving) = self.solve(terms, &mut effort)?;
         Ok(Solution {
-            unknowns: self.solve(&mut effort)?,
+            unknowns,
+            driving,
             convecting: None,
             effort,
         })
@@ -158,7 +165,7 @@ where
         };
         let mut effort = Effort::default();
         let mut flow = start.clone();
-        let mut unknowns: Option<Vec<f64>> = None;
+        let mut found: Option<(Vec<f64>, Vector<D>)> = None;
         let mut picard_left = PICARD_FIRST;
         let mut residual = f64::INFINITY;
         for iteration in 0..=iterations_max {
@@ -168,18 +175,21 @@ where
                 ..*terms
             };
             self.assemble(&now, true);
-            if let Some(unknowns) = unknowns.take() {
+            if let Some((unknowns, driving)) = found.take() {
                 let last = residual;
+                let right = self.push(&now, &driving);
                 residual = self.linear.residual(self.system, &unknowns);
                 tracing::debug!(iteration, residual, "nonlinear iteration");
                 effort.nonlinear_residual = residual;
                 if residual <= tolerance {
                     return Ok(Solution {
                         unknowns,
+                        driving,
                         convecting: Some(flow),
                         effort,
                     });
                 }
+                self.system.right = right;
                 if residual > GROWTH_MAX * last {
                     picard_left = PICARD_FIRST;
                 }
@@ -187,23 +197,21 @@ where
             if iteration == iterations_max {
                 break;
             }
-            if newton && picard_left == 0 {
-                self.assemble(
-                    &Coefficients {
-                        newton: true,
-                        ..now
-                    },
-                    true,
-                );
+            let now = Coefficients {
+                newton: newton && picard_left == 0,
+                ..now
+            };
+            if now.newton {
+                self.assemble(&now, true);
             }
             picard_left = picard_left.saturating_sub(1);
             self.factorise(&mut effort);
-            let found = self.solve(&mut effort)?;
+            let (unknowns, driving) = self.solve(&now, &mut effort)?;
             flow = Flow {
-                superficial_velocity: velocity_of(&found, &self.constraints.frames),
+                superficial_velocity: velocity_of(&unknowns, &self.constraints.frames),
                 porosity: terms.solid.matrix.porosity.clone(),
             };
-            unknowns = Some(found);
+            found = Some((unknowns, driving));
         }
         Err(FluidError::NotConverged {
             residual,
@@ -232,12 +240,49 @@ where
         self.cost.factor += cpu_seconds() - begin;
     }
 
-    fn solve(&mut self, effort: &mut Effort) -> Result<Vec<f64>, FluidError> {
+    /// Unknowns and uniform pressure gradient of the assembled and factorised system, whose right-hand side
+    /// holds that gradient afterwards.
+    fn solve(
+        &mut self,
+        terms: &Coefficients<'_, D>,
+        effort: &mut Effort,
+    ) -> Result<(Vec<f64>, Vector<D>), FluidError> {
         let begin = cpu_seconds();
-        let solved = self.linear.solve(self.system, self.given);
+        let solved = self.steer(terms).and_then(|driving| {
+            let solution = self.linear.solve(self.system, self.given)?;
+            Ok((solution, driving))
+        });
         self.cost.solve += cpu_seconds() - begin;
-        let solution = solved?;
+        let (solution, driving) = solved?;
         effort.note(&solution);
-        Ok(solution.unknowns)
+        Ok((solution.unknowns, driving))
+    }
+
+    /// The uniform pressure gradient that gives the flow its mean, moved to the right-hand side.
+    fn steer(&mut self, terms: &Coefficients<'_, D>) -> Result<Vector<D>, FluidError> {
+        let Some(drive) = self.drive else {
+            return Ok(Vector::zeros());
+        };
+        let border = Border::new(terms, self.mesh, &drive);
+        let right = self.system.right.clone();
+        let start = self.linear.solve(self.system, self.given)?.unknowns;
+        let mut responses = [const { Vec::new() }; D];
+        let still = vec![0.0; start.len()];
+        for k in drive.steered() {
+            self.system.right.clone_from(&border.columns[k]);
+            responses[k] = self.linear.solve(self.system, &still)?.unknowns;
+        }
+        let gradient = border.gradient(&drive, &start, &responses);
+        self.system.right = border.pushed(&right, &gradient);
+        Ok(gradient)
+    }
+
+    /// Move this uniform pressure gradient to the right-hand side; returns what that was.
+    fn push(&mut self, terms: &Coefficients<'_, D>, driving: &Vector<D>) -> Vec<f64> {
+        let right = self.system.right.clone();
+        if let Some(drive) = &self.drive {
+            self.system.right = Border::new(terms, self.mesh, drive).pushed(&right, driving);
+        }
+        right
     }
 }

@@ -6,6 +6,7 @@ mod cloud;
 mod column;
 mod held;
 mod lesser;
+mod mean_flow;
 mod one_grain;
 mod packing;
 mod replay;

@@ -131,6 +131,7 @@ fn scene(scheme: Scheme) -> CouplerScene {
         grad_div: 1.0,
         initial_velocity: vec![0.0, 0.0],
         threads: 1,
+        mean_flow: Default::default(),
     };
     let particles = ParticleScene {
         dimension: 2,

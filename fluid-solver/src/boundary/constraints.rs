@@ -3,15 +3,17 @@
 //! Where boundaries with different conditions meet, the node takes the strongest: no-slip, then
 //! given velocity (the boundary named first in the mesh), then slip. A corner between slip
 //! walls whose normals differ by more than 37° holds all components; on a gentler bend the
-//! size-weighted normal is used. Pressure at an open boundary is given strongly,
+//! size-weighted normal is used. What crosses a boundary does not depend on
+//! who holds its corners (`flux`). Pressure at an open boundary is given strongly,
 //! p = p₀ + ρ g·(x − x_top). In a domain without an open boundary node 0 has p = 0.
 
-use space::{Dim, Dimension, Vector, hypot};
+use space::{Dim, Dimension, Vector};
 
 use super::condition::Condition;
 use super::frame::Frame;
+use super::inflow::{self, Profile};
 use super::node::NodeVelocity;
-use super::{inflow, moving, open, slip};
+use super::{moving, open, slip};
 use crate::error::FluidError;
 use crate::mesh::facet::BoundaryFacet;
 use crate::mesh::simplices::Mesh;
@@ -20,6 +22,7 @@ use crate::mesh::simplices::Mesh;
 #[derive(Debug, Clone)]
 pub struct Constraints<const D: usize> {
     conditions: Vec<Condition<D>>,
+    pub(super) profiles: Vec<Profile<D>>,
     velocity: Vec<NodeVelocity<D>>,
     pressure: Vec<(usize, f64)>,
     /// Is there no open boundary, so that node 0 has p = 0?
@@ -51,7 +54,8 @@ impl<const D: usize> Constraints<D> {
         moving::check(mesh, &conditions)?;
         let mut velocity = strongest(mesh, &conditions)?;
         slip::find_normals(mesh, &conditions, &mut velocity);
-        inflow::find_factors(mesh, &conditions, &mut velocity)?;
+        let profiles = inflow::profiles(mesh, &conditions)?;
+        inflow::find_factors(mesh, &profiles, &mut velocity);
         let of_kind = |wanted: fn(&Condition<D>) -> bool| -> Vec<BoundaryFacet<D>> {
             let facets = mesh.facets.iter();
             facets
@@ -67,6 +71,7 @@ impl<const D: usize> Constraints<D> {
             frames: Vec::new(),
             pressure: open::pressures(mesh, &conditions, density, gravity),
             conditions,
+            profiles,
             velocity,
             flux_facets,
             open_facets,
@@ -121,43 +126,6 @@ impl<const D: usize> Constraints<D> {
         values
     }
 
-    /// ∮ N_i Q_n of the given velocities, by node \[m^D/s\]. In a closed domain what interpolation
-    /// leaves of the net flux is spread evenly over these facets; more than that is an error.
-    pub fn boundary_flux<const N: usize>(
-        &self,
-        mesh: &Mesh<D, N>,
-        values: &[f64],
-    ) -> Result<Vec<f64>, FluidError> {
-        let mut flux = vec![0.0; mesh.node_count()];
-        let (mut net, mut gross, mut size) = (0.0, 0.0, 0.0);
-        let velocity =
-            |n: usize| -> Vector<D> { std::array::from_fn(|d| values[N * n + d]).into() };
-        for facet in &self.flux_facets {
-            let normal = facet.node.map(|n| space::dot(&velocity(n), &facet.normal));
-            let speed = facet.node.map(|n| hypot(&velocity(n)));
-            for (i, &node) in facet.node.iter().enumerate() {
-                flux[node] += facet.size / (D * N) as f64 * doubled_at(i, &normal);
-            }
-            net += facet.size / D as f64 * sum(&normal);
-            gross += facet.size / D as f64 * sum(&speed);
-            size += facet.size;
-        }
-        if self.closed && net != 0.0 {
-            if net.abs() > 0.01 * gross {
-                return Err(FluidError::Unbalanced {
-                    net: -net,
-                    relative: net.abs() / gross,
-                });
-            }
-            for facet in &self.flux_facets {
-                for node in facet.node {
-                    flux[node] -= facet.size / D as f64 * net / size;
-                }
-            }
-        }
-        Ok(flux)
-    }
-
     /// Velocity that the boundary gives at the middle of a facet when a run begins \[m/s\]; zero where it
     /// gives none.
     pub fn given_velocity<const N: usize>(
@@ -207,14 +175,4 @@ fn unjoined<const D: usize, const N: usize>(mesh: &Mesh<D, N>, boundary: usize) 
 fn axis_of<const D: usize>(normal: &Vector<D>) -> Option<usize> {
     let mut axes = (0..D).filter(|&d| normal[d] != 0.0);
     axes.next().filter(|_| axes.next().is_none())
-}
-
-/// Σ (1 + δ_ik) value_k
-fn doubled_at<const D: usize>(i: usize, value: &[f64; D]) -> f64 {
-    let weighted = |k: usize| if k == i { 2.0 * value[k] } else { value[k] };
-    (1..D).fold(weighted(0), |sum, k| sum + weighted(k))
-}
-
-fn sum<const D: usize>(value: &[f64; D]) -> f64 {
-    (1..D).fold(value[0], |sum, k| sum + value[k])
 }

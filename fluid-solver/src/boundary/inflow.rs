@@ -1,55 +1,105 @@
 //! Profiles of given velocities.
 
-use space::dot;
+use std::cmp::Ordering;
+
+use space::{Vector, dot};
 
 use super::condition::Condition;
 use super::node::NodeVelocity;
 use crate::error::FluidError;
+use crate::mesh::facet::BoundaryFacet;
 use crate::mesh::simplices::Mesh;
 
-/// 4 t (1 − t) along each parabolic boundary, t from end to end.
-pub(super) fn find_factors<const D: usize, const N: usize>(
-    mesh: &Mesh<D, N>,
-    conditions: &[Condition<D>],
-    of_node: &mut [NodeVelocity<D>],
-) -> Result<(), FluidError> {
-    for (boundary, condition) in conditions.iter().enumerate() {
-        if !matches!(condition, Condition::Parabolic(_)) {
-            continue;
-        }
-        let nodes = nodes_of(mesh, boundary);
-        let [a, b] = ends(mesh, boundary, &nodes)?;
-        let p = mesh.position[a];
-        let along = mesh.position[b] - p;
-        let squared = dot(&along, &along);
-        for &node in &nodes {
-            let t = dot(&(mesh.position[node] - p), &along) / squared;
-            if let NodeVelocity::Given(k, factor) = &mut of_node[node]
-                && *k == boundary
-            {
-                *factor = 4.0 * t * (1.0 - t);
+/// Shape of the velocity given along a boundary.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Profile<const D: usize> {
+    /// As the condition says.
+    Plain,
+    /// 4 t (1 − t) times that, t from end to end.
+    Parabola {
+        /// One end \[m\].
+        start: Vector<D>,
+        /// From there to the other \[m\].
+        along: Vector<D>,
+        /// |along|² \[m²\].
+        squared: f64,
+    },
+}
+
+impl<const D: usize> Profile<D> {
+    /// The factor at a point of the boundary.
+    pub(super) fn factor(&self, at: &Vector<D>) -> f64 {
+        match self {
+            Profile::Plain => 1.0,
+            Profile::Parabola {
+                start,
+                along,
+                squared,
+            } => {
+                let t = dot(&(at - start), along) / squared;
+                4.0 * t * (1.0 - t)
             }
         }
     }
-    Ok(())
 }
 
-/// Nodes of a boundary, ascending, each as often as it has facets there.
-fn nodes_of<const D: usize, const N: usize>(mesh: &Mesh<D, N>, boundary: usize) -> Vec<usize> {
-    let facets = mesh.facets.iter().filter(|f| f.boundary == boundary);
-    let mut nodes: Vec<usize> = facets.flat_map(|facet| facet.node).collect();
-    nodes.sort_unstable();
-    nodes
+/// The profile of every boundary.
+pub(super) fn profiles<const D: usize, const N: usize>(
+    mesh: &Mesh<D, N>,
+    conditions: &[Condition<D>],
+) -> Result<Vec<Profile<D>>, FluidError> {
+    let profile = |(boundary, condition): (usize, &Condition<D>)| match condition {
+        Condition::Parabolic(_) => {
+            let [start, end] = ends(mesh, boundary)?;
+            let along = end - start;
+            Ok(Profile::Parabola {
+                start,
+                along,
+                squared: dot(&along, &along),
+            })
+        }
+        _ => Ok(Profile::Plain),
+    };
+    conditions.iter().enumerate().map(profile).collect()
 }
 
-/// The two nodes of a line that belong to one facet only.
+/// Write the factors of profiles to the nodes whose velocity they give.
+pub(super) fn find_factors<const D: usize, const N: usize>(
+    mesh: &Mesh<D, N>,
+    profiles: &[Profile<D>],
+    of_node: &mut [NodeVelocity<D>],
+) {
+    for (velocity, at) in of_node.iter_mut().zip(&mesh.position) {
+        if let NodeVelocity::Given(boundary, factor) = velocity {
+            *factor = profiles[*boundary].factor(at);
+        }
+    }
+}
+
+/// A node and where a facet has it: across a period the same node is in two places.
+type Place<const D: usize> = (usize, Vector<D>);
+
+fn order<const D: usize>(a: &Place<D>, b: &Place<D>) -> Ordering {
+    let by_node = a.0.cmp(&b.0);
+    let components = a.1.iter().zip(b.1.iter());
+    components.fold(by_node, |order, (a, b)| order.then(a.total_cmp(b)))
+}
+
+/// The two ends of a line: the places that belong to one facet only.
 fn ends<const D: usize, const N: usize>(
     mesh: &Mesh<D, N>,
     boundary: usize,
-    nodes: &[usize],
-) -> Result<[usize; 2], FluidError> {
-    let alone = nodes.chunk_by(|a, b| a == b).filter(|g| g.len() == 1);
-    let ends: Vec<usize> = alone.map(|group| group[0]).collect();
+) -> Result<[Vector<D>; 2], FluidError> {
+    let facets = mesh.facets.iter().filter(|f| f.boundary == boundary);
+    let places = |facet: &BoundaryFacet<D>| -> Vec<Place<D>> {
+        let corners = &mesh.corners[facet.simplex];
+        let pairs = facet.node.iter().zip(&facet.corner);
+        pairs.map(|(&node, &k)| (node, corners[k])).collect()
+    };
+    let mut places: Vec<Place<D>> = facets.flat_map(places).collect();
+    places.sort_unstable_by(order);
+    let alone = places.chunk_by(|a, b| a == b).filter(|g| g.len() == 1);
+    let ends: Vec<Vector<D>> = alone.map(|group| group[0].1).collect();
     ends.as_slice()
         .try_into()
         .map_err(|_| FluidError::Boundary {

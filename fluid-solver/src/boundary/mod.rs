@@ -4,9 +4,11 @@
 //! * [`frame`]: velocity unknowns along a wall
 //! * [`constraints`]: what is known about the unknowns of every node
 //! * `slip`, `inflow`, `moving`, `open`: where that comes from
+//! * [`flux`]: what flows across boundaries whose velocity is given
 
 pub mod condition;
 pub mod constraints;
+pub mod flux;
 pub mod frame;
 mod inflow;
 mod moving;
@@ -16,4 +18,5 @@ mod slip;
 
 pub use condition::{Condition, VelocityFunction};
 pub use constraints::Constraints;
+pub use flux::BoundaryFlux;
 pub use frame::Frame;

@@ -1,11 +1,11 @@
 //! Forces on boundaries, inflow and pressure drop.
 
-use space::simplex::combine;
+use space::Vector;
 use space::vector::from_fn;
-use space::{Vector, dot};
 
 use super::solved::Solved;
 use crate::boundary::frame::turn_back;
+use crate::equations::drive::Drive;
 use crate::mesh::facet::BoundaryFacet;
 use crate::numbers::{Numbers, named};
 
@@ -47,15 +47,22 @@ impl<const D: usize, const N: usize> Solved<'_, D, N> {
         (1..D).fold(value[0], |sum, k| sum + value[k]) / D as f64
     }
 
-    /// Inflow \[m^D/s\] and pressure drop from where it enters to the open boundary \[Pa\].
-    pub fn inflow(&self) -> Numbers {
+    /// Inflow and outflow \[m^D/s\], and pressure drop from where it enters to the open boundary \[Pa\].
+    pub fn through_flow(&self) -> Numbers {
+        let mut numbers = self.inflow();
+        if !self.constraints.closed {
+            numbers.push(("outflow".to_owned(), self.outflow()));
+        }
+        numbers
+    }
+
+    /// What enters across given velocities, and the pressure drop from there to the open boundary.
+    fn inflow(&self) -> Numbers {
         let (mut inflow, mut pressure, mut size) = (0.0, 0.0, 0.0);
-        for facet in &self.constraints.flux_facets {
-            let velocity = facet.node.map(|n| self.velocity[n]);
-            let sum = combine::<D, D>(&[1.0; D], &velocity);
-            let entering = -facet.size * dot(&sum.map(|u| u / D as f64), &facet.normal);
-            if entering > 0.0 {
-                inflow += entering;
+        let crossings = self.constraints.flux_facets.iter();
+        for (facet, outward) in crossings.zip(&self.flux.of_facet) {
+            if *outward < 0.0 {
+                inflow -= outward;
                 size += facet.size;
                 pressure += self.pressure_on(facet);
             }
@@ -73,6 +80,24 @@ impl<const D: usize, const N: usize> Solved<'_, D, N> {
             numbers.push(("pressure_drop".to_owned(), pressure / size - outer / open));
         }
         numbers
+    }
+
+    /// Flux of the mixture out through open boundaries: what the rows of continuity lack where the
+    /// pressure is given in their place.
+    fn outflow(&self) -> f64 {
+        let nodes = 0..self.mesh.node_count();
+        let open = nodes.filter(|n| self.constraints.fixed[N * n + D]);
+        open.map(|n| -self.reaction[N * n + D]).sum()
+    }
+
+    /// The uniform part of ∇p, along the axes where it steers the mean flow.
+    pub fn mean_pressure_gradient(&self) -> Numbers {
+        let axes = self.drive.iter().flat_map(Drive::steered);
+        axes.map(|k| {
+            let name = format!("mean_pressure_gradient_{}", AXES[k]);
+            (name, self.driving[k])
+        })
+        .collect()
     }
 
     /// ∫p over a facet.

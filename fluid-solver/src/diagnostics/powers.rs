@@ -14,6 +14,7 @@
 //!   stabilisation  ∫ τρφ(a·∇v)·R + τP∇p·R + τ_c ∇·(P v) ∇·(u + j⁰ + (cv)_h − κ∇p)
 //!                  + Σ_i d_i u_i·(R/φ − ∇p)                     (held grains, (H1))
 //!   boundary       Σ x_i (Kx − r)_i over given unknowns − ∮ p Q_n + ∮ μφ v·(∇v)ᵀn (open)
+//!                  − G·U|Ω| (mean flow)
 //! ```
 //!
 //! φ v·∇p of the momentum and u·∇p of continuity cancel at every quadrature point. `boundary` is
@@ -127,6 +128,7 @@ where
             let pressure_gradient = element
                 .simplex
                 .gradient_of(&nodes.map(|n| self.pressure[n]));
+            let pressure_gradient = pressure_gradient + self.driving;
             for at in element.points() {
                 add_powers(&at, &u, &pressure_gradient, &mut sum);
             }
@@ -147,11 +149,19 @@ where
             .sum();
         let inflow: f64 = self
             .flux
+            .of_node
             .iter()
             .zip(self.pressure)
             .map(|(q, p)| q * p)
             .sum();
-        reactions - inflow + self.open_traction_power()
+        reactions - inflow + self.open_traction_power() - self.driving_power()
+    }
+
+    /// G·U|Ω| of what steers the mean flow.
+    fn driving_power(&self) -> f64 {
+        let size = || -> f64 { self.mesh.geometry.iter().map(|s| s.volume).sum() };
+        self.drive
+            .map_or(0.0, |drive| dot(&self.driving, &drive.velocity) * size())
     }
 
     /// ∮ μφ v·(∇v)ᵀn over open facets.

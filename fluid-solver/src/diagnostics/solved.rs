@@ -3,7 +3,9 @@
 use space::Vector;
 
 use crate::boundary::constraints::Constraints;
+use crate::boundary::flux::BoundaryFlux;
 use crate::equations::coefficients::Coefficients;
+use crate::equations::drive::Drive;
 use crate::mesh::simplices::Mesh;
 
 /// A solution with what is needed to judge it.
@@ -22,6 +24,10 @@ pub struct Solved<'a, const D: usize, const N: usize> {
     pub unknowns: &'a [f64],
     /// K x − r.
     pub reaction: &'a [f64],
-    /// ∮ N_i Q_n by node \[m^D/s\].
-    pub flux: &'a [f64],
+    /// What the given velocities carry across the boundary \[m^D/s\].
+    pub flux: &'a BoundaryFlux,
+    /// What the flow is to do on the whole, where that is steered.
+    pub drive: Option<Drive<D>>,
+    /// The uniform part of ∇p that steers it \[Pa/m\].
+    pub driving: Vector<D>,
 }

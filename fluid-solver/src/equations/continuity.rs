@@ -9,7 +9,8 @@
 //! ```
 //!
 //! Q_n is the mixture's flux out of the domain: 0 at walls whatever the solid flux carries there,
-//! u·n where the velocity is given, unknown where the pressure is (rows replaced).
+//! u·n of the given profile where the velocity is given, whatever a shared corner does (`boundary::flux`),
+//! unknown where the pressure is (rows replaced).
 
 use space::dot;
 use space::vector::from_fn;

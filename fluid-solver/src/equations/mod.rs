@@ -5,6 +5,7 @@
 //! * [`momentum`], [`continuity`], [`stabilization`]: the terms, entry by entry
 //! * `held`: what is different where held grains drag unevenly
 //! * [`assembly`]: the system made of them
+//! * [`drive`]: the mean of a flow through periodic sides, steered
 //! * [`creeping`]: when convection may be left out
 //! * [`manufactured`]: exact solutions for tests and studies
 
@@ -12,6 +13,7 @@ pub mod assembly;
 pub mod coefficients;
 pub mod continuity;
 pub mod creeping;
+pub mod drive;
 pub mod element;
 mod held;
 pub mod manufactured;

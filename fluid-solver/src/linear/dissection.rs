@@ -66,7 +66,11 @@ impl<const D: usize, const N: usize> Cutter<'_, D, N> {
         }
         self.sort(&mut nodes);
         let (lower, upper) = self.best(&nodes);
-        let separator = self.separator(&nodes[..lower], &nodes[upper..]);
+        let mut separator = self.separator(&nodes[..lower], &nodes[upper..]);
+        if separator.is_empty() {
+            // Halves that do not touch: any node will do, and every front has a pivot.
+            separator.push(nodes[lower - 1]);
+        }
         let inside = |node: &usize| separator.binary_search(node).is_err();
         let low: Vec<usize> = nodes[..lower].iter().copied().filter(inside).collect();
         let high = nodes[upper..].to_vec();
@@ -186,28 +190,53 @@ mod tests {
     use super::*;
     use crate::mesh::rectangle::Rectangle;
 
+    /// The order of a mesh is one of elimination: every node once, every front with a pivot, and only
+    /// ancestors touched.
+    fn check(simplices: &[[usize; 3]], position: &[Vector<2>]) {
+        let pattern = Pattern::new(position.len(), simplices);
+        let fronts = fronts(&pattern, position);
+        let mut all: Vec<_> = fronts.iter().flat_map(|f| f.pivots.clone()).collect();
+        all.sort_unstable();
+        assert!(all.iter().copied().eq(0..position.len()));
+        let mut of_node = vec![0; position.len()];
+        for (k, front) in fronts.iter().enumerate() {
+            assert!(!front.pivots.is_empty());
+            front.pivots.iter().for_each(|&node| of_node[node] = k);
+        }
+        for (k, front) in fronts.iter().enumerate() {
+            for &node in &front.boundary {
+                let ancestor = &fronts[of_node[node]];
+                assert!(ancestor.first <= k && k < of_node[node]);
+            }
+        }
+        assert!(fronts.last().unwrap().boundary.is_empty());
+    }
+
     #[test]
     fn every_node_is_eliminated_once_and_only_ancestors_are_touched() {
         for periodic in [false, true] {
             let mut rectangle = Rectangle::new([0.0; 2], [1.0, 3.0], [20, 60]);
             rectangle.periodic = [periodic; 2];
             let mesh = rectangle.mesh().unwrap();
-            let pattern = Pattern::new(mesh.node_count(), &mesh.simplices);
-            let fronts = fronts(&pattern, &mesh.position);
-            let mut all: Vec<_> = fronts.iter().flat_map(|f| f.pivots.clone()).collect();
-            all.sort_unstable();
-            assert!(all.iter().copied().eq(0..mesh.node_count()));
-            let mut of_node = vec![0; mesh.node_count()];
-            for (k, front) in fronts.iter().enumerate() {
-                front.pivots.iter().for_each(|&node| of_node[node] = k);
+            check(&mesh.simplices, &mesh.position);
+        }
+    }
+
+    #[test]
+    fn flat_cells_and_parts_that_do_not_touch_have_an_order() {
+        for (cells, grading) in [([60, 60], 100.0), ([200, 4], 1.0), ([7, 90], 1000.0)] {
+            let mut rectangle = Rectangle::new([0.0; 2], [1.0; 2], cells);
+            rectangle.grading = [1.0, grading].into();
+            let mesh = rectangle.mesh().unwrap();
+            check(&mesh.simplices, &mesh.position);
+            // The same beside itself, on the same places or apart.
+            for away in [0.0, 10.0] {
+                let n = mesh.node_count();
+                let (mut simplices, mut position) = (mesh.simplices.clone(), mesh.position.clone());
+                simplices.extend(mesh.simplices.iter().map(|t| t.map(|node| node + n)));
+                position.extend(mesh.position.iter().map(|x| x + Vector::from([away, 0.0])));
+                check(&simplices, &position);
             }
-            for (k, front) in fronts.iter().enumerate() {
-                for &node in &front.boundary {
-                    let ancestor = &fronts[of_node[node]];
-                    assert!(ancestor.first <= k && k < of_node[node]);
-                }
-            }
-            assert!(fronts.last().unwrap().boundary.is_empty());
         }
     }
 }

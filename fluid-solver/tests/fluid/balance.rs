@@ -15,7 +15,7 @@ use space::vector::from_fn;
 use crate::support::{Random, deposit, largest_difference};
 
 /// The nodal fields of a random solid, with drag up to `drag`.
-struct RandomSolid {
+pub struct RandomSolid {
     porosity: Vec<f64>,
     drag: Vec<f64>,
     source: Vec<f64>,
@@ -26,7 +26,7 @@ struct RandomSolid {
 }
 
 impl RandomSolid {
-    fn new(mesh: &Mesh<2, 3>, drag: f64, seed: u64) -> RandomSolid {
+    pub fn new(mesh: &Mesh<2, 3>, drag: f64, seed: u64) -> RandomSolid {
         let n = mesh.node_count();
         let mut random = Random(seed);
         let mut many = |count: usize, low: f64, high: f64| -> Vec<f64> {
@@ -52,7 +52,7 @@ impl RandomSolid {
         }
     }
 
-    fn fields(&self) -> SolidFields<'_> {
+    pub fn fields(&self) -> SolidFields<'_> {
         SolidFields {
             porosity: Some(&self.porosity),
             drag: Some(&self.drag),

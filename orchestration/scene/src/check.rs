@@ -2,7 +2,7 @@
 
 use protocol::field::{Field, Support};
 use protocol::monitor::columns;
-use protocol::scene::{AdaptiveStep, Geometry, Nonlinear, Scheme};
+use protocol::scene::{AdaptiveStep, Geometry, MeanFlow, Nonlinear, Scheme};
 
 use crate::document::Document;
 use crate::keys::{Contact, Coupling, Fluid, GrainDomain, LimitKeys, Rectangle, SceneFile};
@@ -149,6 +149,9 @@ impl<'a> Checker<'a> {
         self.positive("fluid.density", fluid.density, " kg/m³");
         self.positive("fluid.dynamic_viscosity", fluid.dynamic_viscosity, " Pa s");
         self.finite("fluid.initial_velocity", &fluid.initial_velocity);
+        if let Some(MeanFlow::Velocity(velocity)) = &fluid.mean_flow {
+            self.finite("fluid.mean_flow.velocity", velocity);
+        }
         if let Some(factor) = fluid.grad_div {
             self.not_negative("fluid.grad_div", factor, "");
         }

@@ -13,6 +13,7 @@ pub mod error;
 pub mod grains;
 pub mod keys;
 mod load;
+mod mean_flow;
 pub mod mesh_names;
 mod mesh_outline;
 mod outline;

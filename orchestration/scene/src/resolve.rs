@@ -13,6 +13,7 @@ use crate::check::Checker;
 use crate::document::Document;
 use crate::grains::{self, GrainTable};
 use crate::keys::{Coupling, Fluid, Rectangle, SceneFile};
+use crate::mean_flow;
 use crate::mesh_names::boundary_names;
 use crate::mesh_outline;
 use crate::outline::Outline;
@@ -107,6 +108,7 @@ fn fluid_part(
             Some(rectangle) => boundaries::check_rectangle(&boundaries, rectangle, checker),
             None => boundaries::check_mesh(&boundaries, checker),
         }
+        mean_flow::check(keys, fluid, &boundaries, checker);
     }
     // Suspensions need the full grad-div term for local mass balance; around bodies in clear flow
     // it is too dissipative.
@@ -128,6 +130,7 @@ fn fluid_part(
         grad_div: fluid.grad_div.unwrap_or(grad_div),
         initial_velocity: fluid.initial_velocity.to_vec(),
         threads,
+        mean_flow: fluid.mean_flow.unwrap_or_default().map(|v| v.to_vec()),
     }
 }
 

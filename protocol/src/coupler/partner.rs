@@ -10,7 +10,8 @@ use crate::language::field::Field;
 use crate::language::header::PROTOCOL_VERSION;
 use crate::language::header::{FieldHeader, Stage, other_protocol};
 use crate::language::message::{
-    Advance, Capability, Configure, Done, Hello, Ready, Role, ToCoupler, ToEngine,
+    Advance, Capability, Configure, Done, Failure, FailureKind, Hello, Ready, Role, ToCoupler,
+    ToEngine,
 };
 use crate::language::scene::{Convection, FluidScene, Limits, ParticleScene};
 use crate::run::runspace::RunSpace;
@@ -110,16 +111,18 @@ impl Partner {
     }
 
     /// Send the fluid's part of the scene; answered by the mesh. An engine that does not know
-    /// convection as needed gets it always.
+    /// convection as needed gets it always; one that cannot steer the mean flow is refused a scene that
+    /// asks for it.
     pub fn configure_fluid(&mut self, scene: &FluidScene) -> Result<MeshDescription, Error> {
         let scene_dimension = scene.dimension;
         let mut scene = scene.clone();
-        let able = self
-            .hello()
-            .capabilities
-            .contains(&Capability::ConvectionAsNeeded);
-        if !able && scene.convection == Convection::AsNeeded {
+        let capabilities = &self.hello().capabilities;
+        let able = |capability| capabilities.contains(&capability);
+        if !able(Capability::ConvectionAsNeeded) && scene.convection == Convection::AsNeeded {
             scene.convection = Convection::Always;
+        }
+        if !able(Capability::SteersMeanFlow) && scene.mean_flow.is_steered() {
+            return Err(self.cannot_steer());
         }
         self.send(&ToEngine::Configure(Configure::Fluid(Box::new(scene))))?;
         let wait = Wait::new(0, "Ready", seconds(self.limits.configure));
@@ -147,6 +150,20 @@ impl Partner {
                 Ok(mesh)
             }
             other => Err(unexpected(self.seat(), 0, &other, "Ready with a mesh")),
+        }
+    }
+
+    /// The scene asks for what the engine cannot do.
+    fn cannot_steer(&self) -> Error {
+        let engine = &self.hello().engine;
+        let why = format!(
+            "the scene steers the mean flow (fluid.mean_flow), which {engine} cannot do (capability \
+             SteersMeanFlow): write mean_flow = \"free\", or leave [engines] fluid out"
+        );
+        Error::Engine {
+            who: self.seat().to_owned(),
+            step: 0,
+            failure: Failure::new(FailureKind::Scene, why),
         }
     }
 

@@ -25,6 +25,8 @@ pub enum Capability {
     FieldsOnRequest,
     /// Particles: walls that move along themselves rub on the grains; others get no such wall.
     MovingWalls,
+    /// Fluid: steers the mean flow through periodic sides (`FluidScene::mean_flow`); others are not asked to.
+    SteersMeanFlow,
 }
 
 /// First message of an engine.

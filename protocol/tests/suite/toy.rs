@@ -79,6 +79,7 @@ pub fn fluid_scene(cells: usize) -> FluidScene {
         grad_div: 1.0,
         initial_velocity: vec![0.0, 0.0],
         threads: 1,
+        mean_flow: Default::default(),
     }
 }
 

@@ -75,6 +75,7 @@ fn capability(name: &str) -> PyResult<Capability> {
         ("checkpoint", Capability::Checkpoint),
         ("convection-as-needed", Capability::ConvectionAsNeeded),
         ("moving-walls", Capability::MovingWalls),
+        ("steers-mean-flow", Capability::SteersMeanFlow),
     ];
     let found = known.iter().find(|(known, _)| *known == name);
     found.map(|&(_, capability)| capability).ok_or_else(|| {

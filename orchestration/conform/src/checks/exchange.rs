@@ -92,7 +92,9 @@ fn hello(case: &Case) -> Result<(), Trouble> {
     }
     for (place, capability) in hello.capabilities.iter().enumerate() {
         let foreign = match capability {
-            Capability::AffineResponse | Capability::ConvectionAsNeeded => case.role != Role::Fluid,
+            Capability::AffineResponse
+            | Capability::ConvectionAsNeeded
+            | Capability::SteersMeanFlow => case.role != Role::Fluid,
             Capability::ImplicitDrag | Capability::ContactState | Capability::MovingWalls => {
                 case.role != Role::Particles
             }

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use protocol::scene::{Boundary, Convection, Diagonals, Nonlinear, TimeScheme, ViscousForm};
+use protocol::scene::{
+    Boundary, Convection, Diagonals, MeanFlow, Nonlinear, TimeScheme, ViscousForm,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -38,6 +40,10 @@ pub struct Fluid {
     /// Uniform initial superficial velocity (m/s).
     #[serde(default)]
     pub initial_velocity: [f64; 2],
+    /// Mean flux of the mixture through periodic sides: "free" (as the forces have it), "zero" (as in a shut
+    /// vessel), or { velocity = […] } (m/s), the latter two steered by a uniform pressure gradient. Required
+    /// where all sides are periodic and there is gravity.
+    pub mean_flow: Option<MeanFlow<[f64; 2]>>,
 }
 
 /// Where the fluid is: a rectangle, or a mesh file.

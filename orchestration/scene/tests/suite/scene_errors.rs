@@ -248,6 +248,37 @@ fn inflow_without_a_way_out_is_refused() {
 }
 
 #[test]
+fn a_mixture_that_nothing_holds_is_refused_unless_the_scene_says_what_it_does() {
+    let all = |more: &str, sides: &str| {
+        let text = CLEAR_FLUID.replace("all = \"no-slip\"", sides);
+        text.replace("[fluid]", &format!("[fluid]\n{more}"))
+    };
+    let periodic = "all = \"periodic\"";
+    let pipe = "all = \"slip\"\nbottom = \"periodic\"\ntop = \"periodic\"";
+    let walls = "all = \"no-slip\"\nbottom = \"periodic\"\ntop = \"periodic\"";
+    for sides in [periodic, pipe] {
+        let parts = ["fluid.mean_flow", "missing", "\"zero\"", "\"free\""];
+        assert_names(&refusal(&all("", sides), &[]), &parts);
+        accepted(&all("mean_flow = \"free\"", sides), &[]);
+        accepted(&all("mean_flow = \"zero\"", sides), &[]);
+        accepted(&all("mean_flow = { velocity = [0.0, 1e-3] }", sides), &[]);
+        let still = all("", sides);
+        accepted(&still, &["gravity.acceleration=[0.0, 0.0]"]);
+        let steady = all("mean_flow = \"zero\"\ntime_scheme = \"steady\"", sides);
+        assert_names(&refusal(&steady, &[]), &["fluid.time_scheme", "uniform"]);
+    }
+    accepted(&all("", walls), &[]);
+    accepted(&all("mean_flow = { velocity = [0.0, 1e-3] }", walls), &[]);
+    let across = all("mean_flow = { velocity = [1e-3, 0.0] }", walls);
+    assert_names(&refusal(&across, &[]), &["fluid.mean_flow", "x must be 0"]);
+    let shut = all("mean_flow = \"zero\"", "all = \"no-slip\"");
+    assert_names(
+        &refusal(&shut, &[]),
+        &["fluid.mean_flow", "no side is periodic"],
+    );
+}
+
+#[test]
 fn a_missing_mesh_file_is_refused_with_its_path() {
     let text = CLEAR_FLUID.replace(
         "rectangle = { lower = [0.0, 0.0], upper = [0.01, 0.02], cells = [4, 8] }",

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::boundary::Boundary;
 use super::convection::Convection;
 use super::door::{dimension, fits};
+use super::mean_flow::MeanFlow;
 
 /// What the fluid engine needs to know.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -39,6 +40,10 @@ pub struct FluidScene {
     pub initial_velocity: Vec<f64>,
     /// Threads the engine may use.
     pub threads: usize,
+    /// What the flow through periodic sides does on the whole; steered only by an engine with
+    /// `Capability::SteersMeanFlow`.
+    #[serde(default)]
+    pub mean_flow: MeanFlow,
 }
 
 impl FluidScene {
@@ -48,6 +53,8 @@ impl FluidScene {
         let d = dimension(self.dimension)?;
         fits(d, "gravity", &self.gravity)?;
         fits(d, "initial_velocity", &self.initial_velocity)?;
+        self.mean_flow
+            .try_map(|v| fits(d, "mean_flow.velocity", v))?;
         if let MeshSource::Rectangle {
             lower,
             upper,

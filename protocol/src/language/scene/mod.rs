@@ -1,5 +1,5 @@
 //! The parts of a scene that processes receive: plain data, SI units, already validated for range.
-//! Read `fluid` with `boundary` and `convection`, `particles`, then `coupling`, the resolved
+//! Read `fluid` with `boundary`, `convection` and `mean_flow`, `particles`, then `coupling`, the resolved
 //! scene as a whole.
 
 mod boundary;
@@ -7,6 +7,7 @@ mod convection;
 mod coupling;
 mod door;
 mod fluid;
+mod mean_flow;
 mod particles;
 
 pub use boundary::{Boundary, GrainBoundary, Profile};
@@ -16,4 +17,5 @@ pub use coupling::{
 };
 pub use door::fixed;
 pub use fluid::{Diagonals, FluidScene, MeshSource, Nonlinear, TimeScheme, ViscousForm};
+pub use mean_flow::MeanFlow;
 pub use particles::{ParticleScene, Wall};
