@@ -8,24 +8,9 @@ use space::Vector;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FluidError {
-    /// A mesh file cannot be read.
-    #[error("mesh file {path}: {source}")]
-    MeshFile {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// A mesh file is not a usable Gmsh 4.1 file.
-    #[error("mesh file {path}, line {line}: {why}")]
-    GmshSyntax {
-        /// The file.
-        path: PathBuf,
-        /// Line, from 1.
-        line: usize,
-        /// What is wrong and what is allowed.
-        why: String,
-    },
+    /// A mesh file cannot be used.
+    #[error(transparent)]
+    MeshFile(#[from] gmsh::Error),
     /// The mesh as a whole is unusable.
     #[error("mesh: {0}")]
     Mesh(String),

@@ -13,6 +13,7 @@ use protocol::scene::{
     self, CREEPING_REYNOLDS, Convection, FluidScene, MeanFlow, MeshSource, fixed,
 };
 
+use gmsh::Options;
 use space::{Vector, flat};
 
 use crate::boundary::condition::{Condition, periodic_directions};
@@ -20,7 +21,7 @@ use crate::candidate::Request;
 use crate::config::{FluidConfig, Nonlinear, TimeScheme};
 use crate::equations::coefficients::ViscousForm;
 use crate::error::FluidError;
-use crate::mesh::gmsh;
+use crate::mesh::file;
 use crate::mesh::rectangle::{Diagonals, Rectangle};
 use crate::mesh::simplices::Mesh;
 use crate::solid::SolidFields;
@@ -59,7 +60,9 @@ impl FluidEngine for Engine {
         let config = config(scene).map_err(unusable)?;
         let refuse = |error: FluidError| Failure::new(FailureKind::Scene, error.to_string());
         let mesh = match Source::of(&scene.mesh).map_err(unusable)? {
-            Source::File(path) => gmsh::read(path),
+            Source::File(path, options) => {
+                file::read(path, &options, |name| config.boundaries.contains_key(name))
+            }
             Source::Rectangle(rectangle) => {
                 periodic_directions(&config.boundaries).and_then(|periodic| {
                     Rectangle {
@@ -236,14 +239,21 @@ fn condition(boundary: &scene::Boundary<[f64; 2]>) -> Condition<2> {
 
 /// Where the mesh comes from.
 enum Source<'a> {
-    File(&'a Path),
+    File(&'a Path, Options),
     Rectangle(Rectangle),
 }
 
 impl Source<'_> {
     fn of(source: &MeshSource) -> Result<Source<'_>, String> {
         Ok(match source {
-            MeshSource::File { path } => Source::File(Path::new(path)),
+            MeshSource::File {
+                path,
+                scale,
+                surfaces,
+            } => {
+                let (scale, surfaces) = (*scale, surfaces.clone());
+                Source::File(Path::new(path), Options { scale, surfaces })
+            }
             MeshSource::Rectangle {
                 lower,
                 upper,
@@ -414,6 +424,8 @@ mod tests {
         check(&unknown, &["\"outlet\"", "bottom"]);
         one_sided.mesh = MeshSource::File {
             path: "no/such.msh".into(),
+            scale: 1.0,
+            surfaces: Vec::new(),
         };
         check(&one_sided, &["no/such.msh"]);
     }

@@ -9,8 +9,10 @@ use crate::sources::{crates, root, sources};
 fn allowed(name: &str) -> &'static [&'static str] {
     match name {
         "space" => &[],
-        "protocol" => &["space"],
-        "coupler" | "scene" => &["space", "protocol", "recording"],
+        "protocol" | "gmsh" => &["space"],
+        "coupler" => &["space", "protocol", "recording"],
+        "scene" => &["space", "gmsh", "protocol", "recording"],
+        "fluid-solver" => &["space", "gmsh", "protocol"],
         "run" => &["space", "protocol", "recording", "scene"],
         "show" | "conform" => &["space", "protocol", "recording", "scene", "run"],
         "study" | "stability" => &["protocol", "scene", "run", "show"],

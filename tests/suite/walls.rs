@@ -33,6 +33,8 @@ fn around_a_disk(folder: &Path, walls: Vec<Wall>) -> CouplerScene {
     let mut fluid = fluid(1.0, 1e-3, gravity, [0.0, 0.0], [1.0, 1.0], [1, 1]);
     fluid.mesh = MeshSource::File {
         path: file.to_string_lossy().into_owned(),
+        scale: 1.0,
+        surfaces: Vec::new(),
     };
     fluid.boundaries = ["sides", "disk"]
         .map(|name| (name.to_owned(), Boundary::NoSlip))

@@ -5,7 +5,7 @@
 //! walls whose normals differ by more than 37° holds all components; on a gentler bend the
 //! size-weighted normal is used. What crosses a boundary does not depend on
 //! who holds its corners (`flux`). Pressure at an open boundary is given strongly,
-//! p = p₀ + ρ g·(x − x_top). In a domain without an open boundary node 0 has p = 0.
+//! p = p₀ + ρ g·(x − x_top). In a part of the mesh without an open boundary the first node has p = 0.
 
 use space::{Dim, Dimension, Vector};
 
@@ -25,8 +25,12 @@ pub struct Constraints<const D: usize> {
     pub(super) profiles: Vec<Profile<D>>,
     velocity: Vec<NodeVelocity<D>>,
     pressure: Vec<(usize, f64)>,
-    /// Is there no open boundary, so that node 0 has p = 0?
+    /// Is there no open boundary?
     pub closed: bool,
+    /// The part of the mesh that each node belongs to.
+    part: Vec<usize>,
+    /// Parts without an open boundary: their first nodes have p = 0.
+    pub(super) closed_parts: Vec<bool>,
     /// Is the unknown given? The components of u and p, node by node.
     pub fixed: Vec<bool>,
     /// Frames of nodes whose velocity unknowns do not follow the axes, by node.
@@ -65,8 +69,15 @@ impl<const D: usize> Constraints<D> {
         };
         let open_facets = of_kind(|condition| matches!(condition, Condition::Open(_)));
         let flux_facets = of_kind(Condition::carries_fluid);
+        let part = mesh.parts();
+        let mut closed_parts = vec![true; part.iter().max().map_or(0, |last| last + 1)];
+        for facet in &open_facets {
+            closed_parts[part[facet.node[0]]] = false;
+        }
         let mut constraints = Constraints {
             closed: open_facets.is_empty(),
+            part,
+            closed_parts,
             fixed: Vec::new(),
             frames: Vec::new(),
             pressure: open::pressures(mesh, &conditions, density, gravity),
@@ -104,9 +115,21 @@ impl<const D: usize> Constraints<D> {
         for &(node, _) in &self.pressure {
             self.fixed[Self::UNKNOWNS * node + D] = true;
         }
-        if self.closed {
-            self.fixed[D] = true;
+        for node in self.pinned() {
+            self.fixed[Self::UNKNOWNS * node + D] = true;
         }
+    }
+
+    /// The first node of each part without an open boundary.
+    fn pinned(&self) -> Vec<usize> {
+        let first = |&part: &usize| self.part.iter().position(|&own| own == part);
+        let closed = (0..self.closed_parts.len()).filter(|&part| self.closed_parts[part]);
+        closed.filter_map(|part| first(&part)).collect()
+    }
+
+    /// The part of the mesh that a facet belongs to.
+    pub(super) fn part_of(&self, facet: &BoundaryFacet<D>) -> usize {
+        self.part[facet.node[0]]
     }
 
     /// The given unknowns at a time; zero where an unknown is free.

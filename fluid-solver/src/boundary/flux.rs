@@ -42,11 +42,19 @@ struct Crossing<const D: usize> {
     gross: f64,
 }
 
+/// What crosses the facets of a part of the mesh, and their size.
+#[derive(Debug, Clone, Copy, Default)]
+struct Total {
+    net: f64,
+    gross: f64,
+    size: f64,
+}
+
 impl<const D: usize> Constraints<D>
 where
     Dim<D>: Dimension<D>,
 {
-    /// The flux of the given velocities at a time, (Q1). In a closed domain what a function leaves over
+    /// The flux of the given velocities at a time, (Q1). In a closed part of the mesh what a function leaves over
     /// is spread evenly over these facets; more than a hundredth of what crosses them is an error.
     pub fn boundary_flux<const N: usize>(
         &self,
@@ -57,32 +65,36 @@ where
             of_node: vec![0.0; mesh.node_count()],
             of_facet: Vec::with_capacity(self.flux_facets.len()),
         };
-        let (mut net, mut gross, mut size) = (0.0, 0.0, 0.0);
+        let mut totals = vec![Total::default(); self.closed_parts.len()];
         for facet in &self.flux_facets {
             let crossing = self.crossing(mesh, facet, time);
             for (&node, value) in facet.node.iter().zip(crossing.of_corner) {
                 flux.of_node[node] += value;
             }
             flux.of_facet.push(crossing.net);
-            net += crossing.net;
-            gross += crossing.gross;
-            size += facet.size;
+            let total = &mut totals[self.part_of(facet)];
+            total.net += crossing.net;
+            total.gross += crossing.gross;
+            total.size += facet.size;
         }
-        if self.closed && net != 0.0 {
-            if net.abs() > LEFT_OVER_MAX * gross {
+        let parts = totals.iter().zip(&self.closed_parts).enumerate();
+        for (part, (total, _)) in parts.filter(|(_, (total, closed))| **closed && total.net != 0.0)
+        {
+            if total.net.abs() > LEFT_OVER_MAX * total.gross {
                 return Err(FluidError::Unbalanced {
-                    net: -net,
-                    relative: net.abs() / gross,
+                    net: -total.net,
+                    relative: total.net.abs() / total.gross,
                 });
             }
-            self.spread(net / size, &mut flux);
+            self.spread(part, total.net / total.size, &mut flux);
         }
         Ok(flux)
     }
 
-    /// Take this much off every square metre.
-    fn spread(&self, density: f64, flux: &mut BoundaryFlux) {
-        for (facet, net) in self.flux_facets.iter().zip(&mut flux.of_facet) {
+    /// Take this much off every square metre of the facets of a part.
+    fn spread(&self, part: usize, density: f64, flux: &mut BoundaryFlux) {
+        let facets = self.flux_facets.iter().zip(&mut flux.of_facet);
+        for (facet, net) in facets.filter(|(facet, _)| self.part_of(facet) == part) {
             *net -= facet.size * density;
             for node in facet.node {
                 flux.of_node[node] -= facet.size / D as f64 * density;

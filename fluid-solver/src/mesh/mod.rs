@@ -1,12 +1,14 @@
 //! Simplices, their nodes, and the facets of the boundary. Read in this order:
 //!
 //! * [`facet`], [`simplices`]: a facet of the boundary, and the mesh itself
+//! * `parts`: which nodes hang together
 //! * `facets`: which sides of simplices are the boundary, and of which name
-//! * [`rectangle`], [`gmsh`]: the two ways to a mesh in the plane, the only places that know no space
+//! * [`rectangle`], [`file`]: the two ways to a mesh; rectangles know no space
 
 pub mod facet;
 mod facets;
-pub mod gmsh;
+pub mod file;
+mod parts;
 pub mod rectangle;
 pub mod simplices;
 

@@ -7,7 +7,7 @@ use fluid_solver::boundary::Condition;
 use fluid_solver::candidate::{Candidate, Request};
 use fluid_solver::config::{FluidConfig, Nonlinear, TimeScheme};
 use fluid_solver::mesh::Rectangle;
-use fluid_solver::mesh::gmsh;
+use fluid_solver::mesh::file;
 use fluid_solver::solid::SolidFields;
 use fluid_solver::state::{Flow, State};
 use fluid_solver::step::FluidSolver;
@@ -212,7 +212,7 @@ fn cylinder(file: &str) -> (usize, f64, f64, Candidate<2>) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../scenes/meshes")
         .join(file);
-    let mesh = gmsh::read(&path).unwrap();
+    let mesh = file::read::<2, 3>(&path, &gmsh::Options::default(), |_| true).unwrap();
     let body = mesh.boundary("cylinder").unwrap();
     let nodes = mesh.node_count();
     let mut config = FluidConfig::new(1.0, 1e-3)

@@ -82,6 +82,50 @@ pub fn check_rectangle(
     }
 }
 
+/// Longest edge over shortest height from which a mesh is told to be too flat.
+const ASPECT_MAX: f64 = 50.0;
+
+/// Warn of cells that are too flat; `place` says where the flattest is.
+pub fn warn_of_aspect(
+    key: &str,
+    aspect: f64,
+    checker: &mut Checker<'_>,
+    place: impl FnOnce() -> String,
+) {
+    if aspect >= ASPECT_MAX {
+        let place = place();
+        checker.warn(format!(
+            "{key}: {place} is {aspect:.0} times as long as high: the solution may be poor there (below \
+             {ASPECT_MAX:.0} is good; more cells along the long side, or less grading)"
+        ));
+    }
+}
+
+/// Warn of the flattest cell of a rectangle.
+pub fn warn_of_cells(rectangle: &Rectangle, checker: &mut Checker<'_>) {
+    let [x, y] = [0, 1].map(|axis| cell_sizes(rectangle, axis));
+    let (wide, high) = (x[1] / y[0], y[1] / x[0]);
+    warn_of_aspect("fluid.domain.rectangle", wide.max(high), checker, || {
+        let cell = if wide > high {
+            [x[1], y[0]]
+        } else {
+            [x[0], y[1]]
+        };
+        format!("a cell of {:.3e} × {:.3e} m", cell[0], cell[1])
+    });
+}
+
+/// Smallest and largest cell along an axis: cell k from the nearer end has the size s·r^(k/m), m the middle
+/// cell, r the grading.
+fn cell_sizes(rectangle: &Rectangle, axis: usize) -> [f64; 2] {
+    let (count, grading) = (rectangle.cells[axis], rectangle.grading[axis]);
+    let middle = (count.saturating_sub(1) / 2).max(1) as f64;
+    let size = |k: usize| grading.powf(k.min(count - 1 - k) as f64 / middle);
+    let sum: f64 = (0..count).map(size).sum();
+    let unit = (rectangle.upper[axis] - rectangle.lower[axis]) / sum;
+    [unit, unit * size(count / 2)]
+}
+
 /// A mesh has no opposite sides.
 pub fn check_mesh(boundaries: &BTreeMap<String, Boundary>, checker: &mut Checker<'_>) {
     for (name, boundary) in boundaries {

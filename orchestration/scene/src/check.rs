@@ -19,6 +19,8 @@ pub struct Checker<'a> {
     document: &'a Document,
     /// What was found so far.
     pub problems: Vec<Problem>,
+    /// What may surprise.
+    pub warnings: Vec<String>,
 }
 
 impl<'a> Checker<'a> {
@@ -27,7 +29,13 @@ impl<'a> Checker<'a> {
         Checker {
             document,
             problems: Vec::new(),
+            warnings: Vec::new(),
         }
+    }
+
+    /// Note what may surprise.
+    pub fn warn(&mut self, message: String) {
+        self.warnings.push(message);
     }
 
     /// Note a problem with a key.
@@ -164,8 +172,24 @@ impl<'a> Checker<'a> {
             self.at_least_one("fluid.nonlinear.newton.iterations_max", iterations_max);
         }
         match (&fluid.domain.rectangle, &fluid.domain.mesh) {
-            (Some(rectangle), None) => self.rectangle(rectangle),
-            (None, Some(_)) => {}
+            (Some(rectangle), None) => {
+                self.rectangle(rectangle);
+                if fluid.domain.scale.is_some() || !fluid.domain.surfaces.is_empty() {
+                    self.refuse(
+                        "fluid.domain",
+                        "scale and surfaces are for a mesh: leave them out",
+                    );
+                }
+            }
+            (None, Some(_)) => {
+                if let Some(scale) = fluid.domain.scale {
+                    self.positive(
+                        "fluid.domain.scale",
+                        scale,
+                        " (metres of a unit of the file)",
+                    );
+                }
+            }
             _ => self.refuse("fluid.domain", "write exactly one of rectangle and mesh"),
         }
         for (name, boundary) in &fluid.boundaries {

@@ -1,8 +1,6 @@
 //! The outline of the fluid: the sides of its rectangle, or the edges of its mesh that belong to one
 //! triangle. What lies inside, and what lies on it.
 
-use std::collections::BTreeMap;
-
 /// Part of the size of an outline within which a point lies on an edge.
 const ON_EDGE: f64 = 1e-9;
 
@@ -153,49 +151,51 @@ impl Edge {
     }
 }
 
-/// Edges of triangles that belong to one of them, each with the name that `named` has for its nodes.
-pub fn single_edges(
-    position: &[[f64; 2]],
-    triangles: &[[usize; 3]],
-    named: &BTreeMap<[usize; 2], String>,
-) -> Vec<Edge> {
-    let mut sides: Vec<([usize; 2], [usize; 2])> = Vec::with_capacity(3 * triangles.len());
-    for &[i, j, k] in triangles {
-        let triangle = if is_clockwise([i, j, k].map(|n| position[n])) {
-            [i, k, j]
-        } else {
-            [i, j, k]
-        };
-        for corner in 0..3 {
-            let side = [triangle[corner], triangle[(corner + 1) % 3]];
-            sides.push(([side[0].min(side[1]), side[0].max(side[1])], side));
-        }
-    }
-    sides.sort_unstable();
-    let single = sides.chunk_by(|p, q| p.0 == q.0).filter(|c| c.len() == 1);
-    single
-        .map(|group| {
-            let (key, [a, b]) = group[0];
-            Edge {
-                a: position[a],
-                b: position[b],
-                boundary: named.get(&key).cloned().unwrap_or_default(),
-            }
-        })
-        .collect()
-}
-
 fn halfway(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     std::array::from_fn(|axis| 0.5 * (a[axis] + b[axis]))
 }
 
-fn is_clockwise([a, b, c]: [[f64; 2]; 3]) -> bool {
-    (b[0] - a[0]) * (c[1] - a[1]) < (c[0] - a[0]) * (b[1] - a[1])
-}
-
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use super::*;
+
+    /// Edges of triangles that belong to one of them, each with the name that `named` has for its nodes.
+    fn single_edges(
+        position: &[[f64; 2]],
+        triangles: &[[usize; 3]],
+        named: &BTreeMap<[usize; 2], String>,
+    ) -> Vec<Edge> {
+        let mut sides: Vec<([usize; 2], [usize; 2])> = Vec::with_capacity(3 * triangles.len());
+        for &[i, j, k] in triangles {
+            let triangle = if is_clockwise([i, j, k].map(|n| position[n])) {
+                [i, k, j]
+            } else {
+                [i, j, k]
+            };
+            for corner in 0..3 {
+                let side = [triangle[corner], triangle[(corner + 1) % 3]];
+                sides.push(([side[0].min(side[1]), side[0].max(side[1])], side));
+            }
+        }
+        sides.sort_unstable();
+        let single = sides.chunk_by(|p, q| p.0 == q.0).filter(|c| c.len() == 1);
+        single
+            .map(|group| {
+                let (key, [a, b]) = group[0];
+                Edge {
+                    a: position[a],
+                    b: position[b],
+                    boundary: named.get(&key).cloned().unwrap_or_default(),
+                }
+            })
+            .collect()
+    }
+
+    fn is_clockwise([a, b, c]: [[f64; 2]; 3]) -> bool {
+        (b[0] - a[0]) * (c[1] - a[1]) < (c[0] - a[0]) * (b[1] - a[1])
+    }
 
     #[test]
     fn a_hole_is_outside_and_its_rim_is_not() {

@@ -14,8 +14,7 @@ use crate::document::Document;
 use crate::grains::{self, GrainTable};
 use crate::keys::{Coupling, Fluid, Rectangle, SceneFile};
 use crate::mean_flow;
-use crate::mesh_names::boundary_names;
-use crate::mesh_outline;
+use crate::mesh_file::{self, Mesh};
 use crate::outline::Outline;
 use crate::scene::Scene;
 use crate::sides::Sides;
@@ -35,10 +34,13 @@ pub fn resolve(
     checker: &mut Checker<'_>,
 ) -> Scene {
     let folder = document.folder();
-    let fluid = keys
-        .fluid
-        .as_ref()
-        .map(|fluid| fluid_part(&keys, fluid, &folder, threads, checker));
+    let (fluid, mesh) = match &keys.fluid {
+        Some(fluid) => {
+            let (part, mesh) = fluid_part(&keys, fluid, &folder, threads, checker);
+            (Some(part), mesh)
+        }
+        None => (None, None),
+    };
     let rectangle = keys
         .fluid
         .as_ref()
@@ -49,8 +51,9 @@ pub fn resolve(
         .map_or(&no_boundaries, |fluid| &fluid.boundaries);
     let room = walls::room(&keys, rectangle, conditions);
     let walls = walls::walls(&keys, room.as_ref(), checker);
-    let outline = outline(&keys, &folder, rectangle, conditions);
+    let outline = outline(mesh.as_ref(), rectangle, conditions);
     let mut warnings = warnings(&keys);
+    warnings.append(&mut checker.warnings);
     if let Some(outline) = &outline {
         let sides = Sides {
             scene: &keys,
@@ -97,12 +100,8 @@ fn fluid_part(
     folder: &Path,
     threads: usize,
     checker: &mut Checker<'_>,
-) -> FluidScene {
-    let (mesh, names) = mesh_part(fluid, folder, checker);
-    let boundaries = match names {
-        Some(names) => boundaries::by_name(&fluid.boundaries, &names, checker),
-        None => Default::default(),
-    };
+) -> (FluidScene, Option<Mesh>) {
+    let (source, read, boundaries) = mesh_part(fluid, folder, checker);
     if checker.problems.is_empty() {
         match &fluid.domain.rectangle {
             Some(rectangle) => boundaries::check_rectangle(&boundaries, rectangle, checker),
@@ -113,12 +112,12 @@ fn fluid_part(
     // Suspensions need the full grad-div term for local mass balance; around bodies in clear flow
     // it is too dissipative.
     let grad_div = if keys.grains.is_empty() { 0.1 } else { 1.0 };
-    FluidScene {
+    let part = FluidScene {
         dimension: DIMENSION,
         density: fluid.density,
         dynamic_viscosity: fluid.dynamic_viscosity,
         gravity: keys.gravity.acceleration.to_vec(),
-        mesh,
+        mesh: source,
         boundaries,
         convection: match fluid.convection {
             Convection::AsNeeded if !keys.run.leave_out => Convection::Always,
@@ -131,56 +130,48 @@ fn fluid_part(
         initial_velocity: fluid.initial_velocity.to_vec(),
         threads,
         mean_flow: fluid.mean_flow.unwrap_or_default().map(|v| v.to_vec()),
-    }
+    };
+    (part, read)
 }
 
-/// The mesh with an absolute path, and the names of its boundaries where they can be had.
+/// The mesh with an absolute path, and a condition for each of its boundaries.
 fn mesh_part(
     fluid: &Fluid,
     folder: &Path,
     checker: &mut Checker<'_>,
-) -> (MeshSource, Option<Vec<String>>) {
-    if let Some(rectangle) = &fluid.domain.rectangle {
-        let mesh = MeshSource::Rectangle {
-            lower: rectangle.lower.to_vec(),
-            upper: rectangle.upper.to_vec(),
-            cells: rectangle.cells.to_vec(),
-            diagonals: rectangle.diagonals,
-            grading: rectangle.grading.to_vec(),
-        };
-        return (mesh, Some(boundaries::SIDES.map(String::from).to_vec()));
-    }
-    let name = fluid.domain.mesh.clone().unwrap_or_default();
-    let path = folder.join(&name);
-    let names = match boundary_names(&path) {
-        Ok(names) => Some(names),
-        Err(why) => {
-            checker.refuse("fluid.domain.mesh", format!("{}: {why}", path.display()));
-            None
-        }
+) -> (MeshSource, Option<Mesh>, BTreeMap<String, Boundary>) {
+    let Some(rectangle) = &fluid.domain.rectangle else {
+        let mesh = mesh_file::read(&fluid.domain, folder, checker);
+        let boundaries = mesh.as_ref().map_or_else(BTreeMap::new, |mesh| {
+            mesh_file::warn(mesh, checker);
+            mesh_file::boundaries(fluid, mesh, checker)
+        });
+        return (mesh_file::source(&fluid.domain, folder), mesh, boundaries);
     };
-    let path = std::path::absolute(&path).unwrap_or(path);
-    (
-        MeshSource::File {
-            path: path.to_string_lossy().into_owned(),
-        },
-        names,
-    )
+    boundaries::warn_of_cells(rectangle, checker);
+    let mesh = MeshSource::Rectangle {
+        lower: rectangle.lower.to_vec(),
+        upper: rectangle.upper.to_vec(),
+        cells: rectangle.cells.to_vec(),
+        diagonals: rectangle.diagonals,
+        grading: rectangle.grading.to_vec(),
+    };
+    let names = boundaries::SIDES.map(String::from);
+    let boundaries = boundaries::by_name(&fluid.boundaries, &names, checker);
+    (mesh, None, boundaries)
 }
 
-/// The outline of the fluid; none without one, or where its mesh cannot be read.
+/// The outline of the fluid; none without one, or where its mesh cannot be used.
 fn outline(
-    keys: &SceneFile,
-    folder: &Path,
+    mesh: Option<&Mesh>,
     rectangle: Option<&Rectangle>,
     conditions: &BTreeMap<String, Boundary>,
 ) -> Option<Outline> {
-    let domain = &keys.fluid.as_ref()?.domain;
     if let Some(Rectangle { lower, upper, .. }) = rectangle {
         let periodic = ["left", "bottom"].map(|s| conditions.get(s) == Some(&Boundary::Periodic));
         return Some(Outline::of_rectangle(*lower, *upper, periodic));
     }
-    let edges = mesh_outline::edges(&folder.join(domain.mesh.as_ref()?))?;
+    let edges = mesh_file::edges(mesh?, |name| conditions.contains_key(name));
     Some(Outline::new(edges, [false; 2]))
 }
 

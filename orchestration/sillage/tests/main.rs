@@ -6,6 +6,7 @@ mod commands;
 mod costs;
 mod kills;
 mod leaving_out;
+mod meshes;
 mod processes;
 mod recordings;
 mod reports;

@@ -40,7 +40,7 @@ pub struct Begin {
     pub commit: Option<String>,
     /// The resolved scene.
     pub scene: CouplerScene,
-    /// Content of the mesh file, where the scene has one.
+    /// Content of the mesh file, where the scene has one: a character for each of its bytes.
     pub mesh_file: Option<String>,
 }
 
@@ -53,10 +53,10 @@ impl Begin {
     ) -> Result<Begin, RecordingError> {
         let source = scene.fluid.as_ref().map(|fluid| &fluid.mesh);
         let mesh_file = match source {
-            Some(MeshSource::File { path }) => {
+            Some(MeshSource::File { path, .. }) => {
                 let bytes = std::fs::read(path)
                     .map_err(|error| RecordingError::file("cannot read the mesh", path, error))?;
-                Some(String::from_utf8_lossy(&bytes).into_owned())
+                Some(bytes.into_iter().map(char::from).collect())
             }
             _ => None,
         };

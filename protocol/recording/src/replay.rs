@@ -143,11 +143,12 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
         let inputs = std::mem::take(&mut self.inputs);
         match request {
             ToEngine::Configure(Configure::Fluid(mut scene)) => {
-                if let (MeshSource::File { path }, Some(content)) =
+                if let (MeshSource::File { path, .. }, Some(content)) =
                     (&mut scene.mesh, &reader.begin().mesh_file)
                 {
                     let file = folder.join("mesh.msh");
-                    std::fs::write(&file, content).map_err(|error| {
+                    let bytes: Vec<u8> = content.chars().map(|byte| byte as u8).collect();
+                    std::fs::write(&file, bytes).map_err(|error| {
                         RecordingError::file("cannot write the mesh", &file, error)
                     })?;
                     *path = file.to_string_lossy().into_owned();

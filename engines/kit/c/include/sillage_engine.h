@@ -276,7 +276,7 @@ typedef struct sillage_fluid_scene {
      */
     const double *gravity;
     /*
-     A Gmsh 4.1 file; NULL: a rectangle.
+     A Gmsh file, 2.2 or 4.1, ASCII or binary; NULL: a rectangle. See `mesh_scale` and `mesh_surfaces`.
      */
     const char *mesh_file;
     /*
@@ -332,6 +332,18 @@ typedef struct sillage_fluid_scene {
      Threads the engine may use.
      */
     uint32_t threads;
+    /*
+     Number of surfaces; 0: the file has one.
+     */
+    uint32_t mesh_surface_count;
+    /*
+     Surfaces of the file that are filled, by name or number.
+     */
+    const char *const *mesh_surfaces;
+    /*
+     Metres of a unit of the file.
+     */
+    double mesh_scale;
 } sillage_fluid_scene;
 
 /*

@@ -59,7 +59,7 @@ pub struct FluidScene {
     pub dynamic_viscosity: f64,
     /// g (m/s2), a vector.
     pub gravity: *const f64,
-    /// A Gmsh 4.1 file; NULL: a rectangle.
+    /// A Gmsh file, 2.2 or 4.1, ASCII or binary; NULL: a rectangle. See `mesh_scale` and `mesh_surfaces`.
     pub mesh_file: *const c_char,
     /// Rectangle: lower left corner (m), a vector; NULL with a file.
     pub lower: *const f64,
@@ -88,6 +88,12 @@ pub struct FluidScene {
     pub initial_velocity: *const f64,
     /// Threads the engine may use.
     pub threads: u32,
+    /// Number of surfaces; 0: the file has one.
+    pub mesh_surface_count: u32,
+    /// Surfaces of the file that are filled, by name or number.
+    pub mesh_surfaces: *const *const c_char,
+    /// Metres of a unit of the file.
+    pub mesh_scale: f64,
 }
 
 /// A scene for C, with what its pointers point to.
@@ -96,6 +102,7 @@ pub(crate) struct View {
     _names: Vec<CString>,
     _boundaries: Vec<Boundary>,
     _file: Option<CString>,
+    _surfaces: (Vec<CString>, Vec<*const c_char>),
     _cells: Vec<u64>,
 }
 
@@ -108,7 +115,7 @@ impl View {
             .map(|(name, condition)| boundary(name, condition))
             .collect();
         let (file, rectangle) = match &scene.mesh {
-            MeshSource::File { path } => (Some(c_text(path)), None),
+            MeshSource::File { path, .. } => (Some(c_text(path)), None),
             MeshSource::Rectangle {
                 lower,
                 upper,
@@ -120,7 +127,10 @@ impl View {
         let cells: Vec<u64> = rectangle.map_or_else(Vec::new, |(_, _, cells, ..)| {
             cells.iter().map(|&cells| cells as u64).collect()
         });
+        let surfaces = surfaces(&scene.mesh);
         let mut view = plain(scene);
+        (view.mesh_surface_count, view.mesh_surfaces) =
+            (surfaces.1.len() as u32, surfaces.1.as_ptr());
         (view.boundary_count, view.boundaries) = (boundaries.len() as u32, boundaries.as_ptr());
         view.mesh_file = file.as_ref().map_or(std::ptr::null(), |file| file.as_ptr());
         if let Some((lower, upper, _, diagonals, grading)) = rectangle {
@@ -133,6 +143,7 @@ impl View {
             _names: names,
             _boundaries: boundaries,
             _file: file,
+            _surfaces: surfaces,
             _cells: cells,
         }
     }
@@ -172,7 +183,23 @@ fn plain(scene: &scene::FluidScene) -> FluidScene {
         grad_div: scene.grad_div,
         initial_velocity: scene.initial_velocity.as_ptr(),
         threads: u32::try_from(scene.threads).unwrap_or(u32::MAX),
+        mesh_surface_count: 0,
+        mesh_surfaces: std::ptr::null(),
+        mesh_scale: match scene.mesh {
+            MeshSource::File { scale, .. } => scale,
+            MeshSource::Rectangle { .. } => 1.0,
+        },
     }
+}
+
+/// Names of the surfaces of a file, and where each is.
+fn surfaces(mesh: &MeshSource) -> (Vec<CString>, Vec<*const c_char>) {
+    let names: Vec<CString> = match mesh {
+        MeshSource::File { surfaces, .. } => surfaces.iter().map(|name| c_text(name)).collect(),
+        MeshSource::Rectangle { .. } => Vec::new(),
+    };
+    let places = names.iter().map(|name| name.as_ptr()).collect();
+    (names, places)
 }
 
 /// A text for C; what it cannot hold is cut out.

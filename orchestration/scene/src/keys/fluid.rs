@@ -52,8 +52,14 @@ pub struct Fluid {
 pub struct Domain {
     /// A rectangle cut into cells; boundaries left, right, bottom, top.
     pub rectangle: Option<Rectangle>,
-    /// A Gmsh 4.1 file beside the scene, with named physical curves.
+    /// A Gmsh file beside the scene, format 2.2 or 4.1. Its boundaries are named by the physical groups of
+    /// its curves, or have the number of the group or curve.
     pub mesh: Option<String>,
+    /// Metres of a unit of the mesh file, e.g. 1e-3 for millimetres; left out: 1.
+    pub scale: Option<f64>,
+    /// Surfaces of the mesh file that are filled with fluid, by name or number; left out: the only one.
+    #[serde(default)]
+    pub surfaces: Vec<String>,
 }
 
 /// A rectangle cut into cells, each into two triangles.

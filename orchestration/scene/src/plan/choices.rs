@@ -9,7 +9,7 @@ use std::fmt;
 use protocol::field::Field;
 use protocol::message::Role;
 use protocol::scene::{
-    Boundary, CREEPING_REYNOLDS, Convection, LUMPED_RATIO_MAX, MeshSource, Scheme, Wall,
+    Boundary, CREEPING_REYNOLDS, Convection, LUMPED_RATIO_MAX, MeanFlow, MeshSource, Scheme, Wall,
 };
 use serde::Serialize;
 use space::grid::SPARE;
@@ -143,7 +143,11 @@ fn reynolds(scene: &Scene) -> f64 {
         Boundary::Inflow { velocity, .. } | Boundary::MovingWall { velocity } => size(velocity),
         Boundary::NoSlip | Boundary::Slip | Boundary::Periodic | Boundary::Open { .. } => 0.0,
     });
-    let prescribed = inflow.fold(size(&fluid.initial_velocity), f64::max);
+    let mean = match &fluid.mean_flow {
+        MeanFlow::Velocity(velocity) => size(velocity),
+        MeanFlow::Free | MeanFlow::Zero => 0.0,
+    };
+    let prescribed = inflow.fold(size(&fluid.initial_velocity).max(mean), f64::max);
     let grains = &scene.grains;
     let excess: f64 = (0..grains.len())
         .filter(|&grain| !grains.fixed[grain] && scene.coupler.reaction)

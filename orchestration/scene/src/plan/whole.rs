@@ -142,7 +142,7 @@ fn sizes(scene: &Scene) -> Vec<String> {
                 3 * nodes
             ));
         }
-        Some(MeshSource::File { path }) => sizes.push(format!("fluid: mesh {path}")),
+        Some(MeshSource::File { path, .. }) => sizes.push(format!("fluid: mesh {path}")),
         None => {}
     }
     if !scene.grains.is_empty() {

@@ -296,46 +296,6 @@ fn a_missing_mesh_file_is_refused_with_its_path() {
 }
 
 #[test]
-fn names_of_a_mesh_are_known_and_curves_in_two_groups_are_refused() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mesh = |groups: &str| {
-        format!(
-            "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n1 1 \"inlet\"\n1 2 \"walls\"\n\
-             2 3 \"fluid\"\n$EndPhysicalNames\n$Entities\n0 2 0 0\n1 0 0 0 1 0 0 {groups} 0\n\
-             2 0 0 0 0 1 0 1 2 0\n$EndEntities\n"
-        )
-    };
-    let text = CLEAR_FLUID.replace(
-        "rectangle = { lower = [0.0, 0.0], upper = [0.01, 0.02], cells = [4, 8] }",
-        "mesh = \"m.msh\"",
-    );
-    let path = folder.path().join("case.toml");
-    std::fs::write(&path, &text).expect("written");
-    let load = |mesh: String| {
-        std::fs::write(folder.path().join("m.msh"), mesh).expect("written");
-        scene::load(&path, &["fluid.boundaries.inlet=slip".into()], 1)
-    };
-    let scene = load(mesh("1 1")).expect("a good mesh");
-    let names: Vec<_> = scene
-        .coupler
-        .fluid
-        .expect("fluid")
-        .boundaries
-        .into_keys()
-        .collect();
-    assert_eq!(names, ["inlet", "walls"]);
-    let message = load(mesh("2 1 2")).expect_err("two groups").to_string();
-    assert_names(
-        &message,
-        &["m.msh", "curve 1 belongs to both 'inlet' and 'walls'"],
-    );
-    let message = load("$MeshFormat\n2.2 0 8\n".into())
-        .expect_err("old")
-        .to_string();
-    assert_names(&message, &["m.msh", "MeshFormat"]);
-}
-
-#[test]
 fn what_has_no_default_must_be_written() {
     for (key, text) in [
         (

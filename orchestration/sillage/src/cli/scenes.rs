@@ -52,6 +52,9 @@ pub struct CheckArgs {
     /// Set a key of the scene, e.g. --set run.end_time=0.5 (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<String>,
+    /// Also print what is in its mesh file: groups, sizes, qualities, and what has no condition
+    #[arg(long)]
+    pub mesh: bool,
     /// Print the JSON Schema of scenes, for editors
     #[arg(long, conflicts_with = "scene")]
     pub schema: bool,

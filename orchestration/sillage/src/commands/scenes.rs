@@ -1,7 +1,11 @@
 //! `check`, `plan`, `run` and `doctor`.
 
+use std::path::Path;
+
 use run::{Runner, Voice, fresh_folder};
+use scene::document::Document;
 use scene::error::exit_code;
+use scene::mesh_survey::MeshSurvey;
 use scene::{Error, plan};
 use serde_json::json;
 use show::picture::pictures;
@@ -16,19 +20,39 @@ pub fn check(args: &CheckArgs) -> Result<i32, Error> {
         say!("{:#}", scene::keys::scene_schema())?;
         return Ok(exit_code::OK);
     };
+    let survey = match args.mesh {
+        true => survey(path, &args.settings)?,
+        false => None,
+    };
+    if let (Some(survey), false) = (&survey, args.json) {
+        say!("{survey}")?;
+    }
     let scene = scene::load(path, &args.settings, 1)?;
     for warning in &scene.warnings {
         eprintln!("{}: warning: {warning}", path.display());
     }
     let grains = scene.grains.len();
     if args.json {
-        let document = json!({ "ok": true, "scene": scene.name, "grains": grains, "warnings": scene.warnings });
+        let mut document = json!({ "ok": true, "scene": scene.name, "grains": grains, "warnings": scene.warnings });
+        if let Some(survey) = survey {
+            document["mesh"] = json!(survey);
+        }
         say!("{document:#}")?;
     } else {
         let plural = if grains == 1 { "" } else { "s" };
         say!("{}: ok, {grains} grain{plural}", path.display())?;
     }
     Ok(exit_code::OK)
+}
+
+/// What is in the mesh file of a scene.
+fn survey(path: &Path, settings: &[String]) -> Result<Option<MeshSurvey>, Error> {
+    let document = Document::load(path, settings)?;
+    let survey = MeshSurvey::of(&scene::read::read(&document)?, &document.folder())?;
+    if survey.is_none() {
+        eprintln!("{}: the scene has no mesh file", path.display());
+    }
+    Ok(survey)
 }
 
 /// Print what a scene needs.

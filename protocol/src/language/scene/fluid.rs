@@ -93,11 +93,21 @@ pub enum MeshSource {
         /// Ratio of the largest to the smallest cell along each axis (both ends refined); 1: uniform.
         grading: Vec<f64>,
     },
-    /// A Gmsh 4.1 file with named physical curves.
+    /// A Gmsh file, 2.2 or 4.1 (crate `gmsh`).
     File {
         /// Path, absolute or relative to the scene.
         path: String,
+        /// Metres of a unit of the file.
+        #[serde(default = "metres")]
+        scale: f64,
+        /// Surfaces that are filled, by name or number; none: the only one.
+        #[serde(default)]
+        surfaces: Vec<String>,
     },
+}
+
+fn metres() -> f64 {
+    1.0
 }
 
 /// Diagonals of the cells of a rectangle.
