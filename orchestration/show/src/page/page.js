@@ -346,6 +346,8 @@ const CHARTS = [
   { title: 'Front and centre', unit: 'm', lines: { rear: 'highest grain', centre_y: 'centre', front: 'lowest grain' } },
   { title: 'Width', unit: 'm', lines: { width: 'all grains', width98: '98 % of them' } },
   { title: 'Pressure drop', unit: 'Pa', lines: { pressure_drop: 'inflow to outflow' } },
+  { title: 'Flow', unit: 'm²/s', lines: { inflow: 'in, as asked for', outflow: 'out by open sides' } },
+  { title: 'Mean pressure gradient', unit: 'Pa/m', lines: { mean_pressure_gradient_x: 'x', mean_pressure_gradient_y: 'y' } },
   { title: 'Porosity', unit: '', lines: { porosity_min: 'smallest' } },
   { title: 'Defects of the budgets', unit: '', log: true, lines: { volume_defect: 'volume', third_law_defect: 'action = reaction', momentum_defect: 'momentum carried on', energy_defect: 'energy' } },
   { title: 'Residuals', unit: '', log: true, lines: { interaction_defect: 'interaction', contact_residual: 'contacts, of |g|Δt', penetration_max: 'penetration, of a radius' } },
