@@ -221,6 +221,16 @@ mod tests {
     }
 
     #[test]
+    fn an_engine_that_does_not_tell_where_its_mesh_ends_is_refused() {
+        let nothing = FacetDescription::default();
+        let error = with_facets::<2>(&scene(Vec::new()), &nothing, &BTreeMap::new(), "mine");
+        let error = error.expect_err("no facets");
+        println!("{error}");
+        assert_eq!(error.exit_code(), 2);
+        assert!(error.to_string().contains("engine mine does not tell"));
+    }
+
+    #[test]
     fn no_wall_is_there_twice() {
         // Covered wholly: the facet's. Longer than the facet: the scene's. The other way round: both.
         let right = Wall::segment([2.0, 0.0], [2.0, 1.0]);

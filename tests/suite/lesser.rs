@@ -269,3 +269,21 @@ fn without_diagnostics_a_run_has_the_same_bits() {
     println!("{} numbers", told.len());
     assert_eq!(told, curt);
 }
+
+#[test]
+fn a_wall_that_moves_is_refused_where_grains_do_not_know_it() {
+    let (mut scene, grains) = cloud(0.1, 10, 1);
+    let part = scene.particles.as_mut().expect("grains");
+    part.walls[0].velocity = Some(vec![0.1, 0.0]);
+    let connect = |scene: &CouplerScene| {
+        let fluid = spawn_fluid(Fluid::default).expect("a fluid");
+        let particles = spawn_particles(SilentGrains::default).expect("grains");
+        Simulation::<2, 3>::new(scene.clone(), Some(fluid), Some(particles), &grains).map(drop)
+    };
+    assert!(connect(&scene).is_ok(), "nothing rubs without friction");
+    scene.particles.as_mut().expect("grains").wall_friction = 0.5;
+    let error = connect(&scene).expect_err("a belt");
+    println!("{error}");
+    assert_eq!(error.exit_code(), 2);
+    assert!(error.to_string().contains("knows no walls that move"));
+}

@@ -158,7 +158,8 @@ impl<const D: usize> Constraints<D> {
     ) -> Vector<D> {
         let corners = facet.corner.map(|k| mesh.corners[facet.simplex][k]);
         let middle = corners[1..].iter().fold(corners[0], |sum, x| sum + x) / D as f64;
-        self.conditions[facet.boundary].velocity(&middle, 0.0)
+        let velocity = self.conditions[facet.boundary].velocity(&middle, 0.0);
+        velocity * self.profiles[facet.boundary].factor(&middle)
     }
 
     /// Condition of a boundary.

@@ -138,6 +138,7 @@ impl Sides<'_> {
                 velocity,
                 profile: Profile::Parabolic,
             } = condition
+                && self.rectangle.is_some()
                 && self.lies_along(name, [velocity[0], velocity[1]])
             {
                 warnings.push(format!(

@@ -493,3 +493,34 @@ fn a_checkpoint_of_the_plane_is_refused_in_space() {
     println!("{error}");
     assert!(error.to_string().contains("2 dimensions, the scene has 3"));
 }
+
+#[test]
+fn a_ball_from_rest_on_a_belt_rolls_at_two_sevenths_of_its_speed() {
+    let belt = Vector::from([0.3, -0.4, 0.0]);
+    for pieces in [1, 30] {
+        let walls = floor(3.0, pieces).into_iter();
+        let setup = Setup {
+            gravity: [0.0, 0.0, -9.81].into(),
+            walls: walls
+                .map(|facet| Facet {
+                    velocity: belt,
+                    ..facet
+                })
+                .collect(),
+            wall_friction: 0.3,
+            ..nothing()
+        };
+        let mut engine = engine(setup, &[ball([0.1, 0.2, 0.25], 0.25)]);
+        for number in 1..=500 {
+            step(&mut engine, &request(number, 1e-3));
+        }
+        let (velocity, spin) = (engine.accepted().velocity[0], engine.accepted().spin[0]);
+        // n × (r ω) at the lowest point.
+        let slip = velocity + spin.cross(&Vector::from([0.0, 0.0, -0.25])) - belt;
+        println!(
+            "{pieces:2}² squares: v {velocity:?}, slip {:.1e}",
+            slip.norm()
+        );
+        assert!((velocity - belt * (2.0 / 7.0)).norm() < 1e-9 && slip.norm() < 1e-9);
+    }
+}
