@@ -6,6 +6,9 @@
 //!   accepted   Δt ← min(nominal, 2 Δt) after a failure, min(nominal, 1.2 Δt) when adaptive
 //! ```
 //!
+//! Steps end where a state is put out, and where the run ends: the last two before such a time share what
+//! is left, so that none is a sliver (the pressure of a step carries 1/Δt).
+//!
 //! What a step does depends on what was computed and on nothing else: the same scene takes the same
 //! steps.
 
@@ -15,8 +18,10 @@ use protocol::scene::{AdaptiveStep, CouplerScene};
 const GROWTH_MAX: f64 = 1.2;
 /// A step that was halved may grow by this factor over the last one.
 const RECOVERY: f64 = 2.0;
-/// The last step may be longer by this part, rather than be followed by a very short one.
+/// The last step before such a time may be longer by this part, rather than be followed by a very short one.
 const LAST_STRETCH: f64 = 1e-3;
+/// A time of output is met when it is missed by less than this part of it: by the round-off of sums.
+const MET: f64 = 1e-9;
 /// Sums of steps are off by less than this part of a step.
 const ROUND_OFF: f64 = 1e-9;
 /// A nominal step may be halved down to this part of it.
@@ -31,6 +36,11 @@ pub struct Clock {
     adaptive: Option<AdaptiveStep>,
     output_every: Option<f64>,
     next_output: f64,
+}
+
+/// The first multiple of `every` after a time \[s\] that has not met it.
+fn output_after(time: f64, every: f64) -> f64 {
+    ((time / every * (1.0 + MET)).floor() + 1.0) * every
 }
 
 impl Clock {
@@ -57,8 +67,7 @@ impl Clock {
     }
 
     /// Length of the next step \[s\]: the nominal one, or the one in which the fastest grain crosses
-    /// `courant` cells. The last two share what is left, so that none is a sliver: the pressure of a
-    /// step carries 1/Δt.
+    /// `courant` cells; cut where a state is put out or the run ends.
     pub fn next_step(&mut self, time: f64, speed_max: f64, cell: f64) -> f64 {
         self.coupling_step = match self.adaptive {
             Some(adaptive) => {
@@ -73,7 +82,31 @@ impl Clock {
             }
             None => self.nominal.min(RECOVERY * self.coupling_step),
         };
-        let remaining = self.end_time - time;
+        // States that are nearer to each other than steps can be are put out after every step.
+        let every = self.output_every.filter(|&every| every >= self.step_min());
+        let output = every.map_or(f64::INFINITY, |every| output_after(time, every));
+        if output < self.end_time * (1.0 - MET) {
+            self.step_towards(output - time, MET * output)
+        } else {
+            self.step_to_the_end(self.end_time - time)
+        }
+    }
+
+    /// A step of those that must end at a time of output, `remaining` \[s\] from here; a step that misses it by
+    /// less than `slack` \[s\] meets it, so that equal steps stay equal.
+    fn step_towards(&self, remaining: f64, slack: f64) -> f64 {
+        let step = self.coupling_step;
+        if (remaining - step).abs() <= slack || remaining >= 2.0 * step - slack {
+            step
+        } else if remaining <= (1.0 + LAST_STRETCH) * step {
+            remaining
+        } else {
+            0.5 * remaining
+        }
+    }
+
+    /// A step of those that must end with the run, `remaining` \[s\] from here.
+    fn step_to_the_end(&self, remaining: f64) -> f64 {
         let steps_left = remaining / self.coupling_step;
         if steps_left <= 1.0 + LAST_STRETCH {
             remaining
@@ -108,9 +141,9 @@ impl Clock {
         let Some(every) = self.output_every else {
             return false;
         };
-        let due = time >= self.next_output * (1.0 - 1e-9);
-        while time >= self.next_output * (1.0 - 1e-9) {
-            self.next_output += every;
+        let due = time >= self.next_output * (1.0 - MET);
+        if due {
+            self.next_output = output_after(time, every);
         }
         due
     }
@@ -137,7 +170,7 @@ mod tests {
             drag: DragLaw::Dallavalle,
             geometry: Geometry::Disk,
             reaction: true,
-            output_every: Some(0.25),
+            output_every: None,
             limits: Limits {
                 connect: 1.0,
                 configure: 1.0,
@@ -224,7 +257,7 @@ mod tests {
 
     #[test]
     fn the_last_step_ends_on_time_and_states_are_due_once() {
-        let mut clock = clock(1.0, 0.3, None);
+        let mut clock = with_output(1.0, 0.3, None, 0.25);
         let (mut time, mut due) = (0.0, Vec::new());
         while !clock.is_over(time) {
             time += clock.next_step(time, 0.0, 1.0);
@@ -233,5 +266,91 @@ mod tests {
         assert_eq!(time, 1.0);
         assert_eq!(due, [true, true, true, true]);
         assert!(!clock.clone().output_due(0.1));
+    }
+
+    fn with_output(end: f64, step: f64, adaptive: Option<AdaptiveStep>, every: f64) -> Clock {
+        Clock {
+            output_every: Some(every),
+            next_output: every,
+            ..clock(end, step, adaptive)
+        }
+    }
+
+    #[test]
+    fn every_time_of_output_is_met_also_by_adaptive_steps_and_after_halvings() {
+        let adaptive = AdaptiveStep {
+            step_min: 1e-3,
+            step_max: 0.2,
+            courant: 0.5,
+        };
+        // steps, time step by time step, the times at which a state is due
+        let run = |mut clock: Clock, speed: fn(f64) -> f64, fails: fn(f64) -> bool| {
+            let (mut time, mut taken, mut due) = (0.0, Vec::new(), Vec::new());
+            while !clock.is_over(time) {
+                let mut dt = clock.next_step(time, speed(time), 1e-3);
+                while fails(time) && dt > 2e-3 {
+                    dt = clock.retry(dt).expect("above the smallest step");
+                }
+                time += dt;
+                taken.push(dt);
+                if clock.output_due(time) {
+                    due.push(time);
+                }
+            }
+            (taken, due)
+        };
+        let rising = |time: f64| 0.02 + time;
+        let still = |_: f64| 0.0;
+        let never = |_: f64| false;
+        let some = |time: f64| (0.11..0.13).contains(&time);
+        for (name, (taken, due)) in [
+            (
+                "adaptive",
+                run(
+                    with_output(0.5, 0.0149, Some(adaptive), 0.05),
+                    rising,
+                    never,
+                ),
+            ),
+            (
+                "fixed",
+                run(with_output(0.5, 0.0149, None, 0.05), still, never),
+            ),
+            (
+                "halved",
+                run(with_output(0.5, 0.01, None, 0.05), still, some),
+            ),
+        ] {
+            println!("{name}: {due:?}");
+            assert_eq!(due.len(), 10);
+            for (index, time) in due.iter().enumerate() {
+                assert!((time - 0.05 * (index + 1) as f64).abs() < 1e-12);
+            }
+            let shortest = taken.iter().copied().fold(f64::INFINITY, f64::min);
+            // half of the smallest, where two share what is left
+            assert!(shortest >= 0.5e-3, "{shortest}");
+        }
+    }
+
+    #[test]
+    fn equal_steps_that_meet_the_times_of_output_stay_equal() {
+        let (step, steps) = (5.5e-3, 4000);
+        let mut clock = with_output(step * f64::from(steps), step, None, 10.0 * step);
+        let (mut time, mut due) = (0.0, 0);
+        for number in 0..steps {
+            let dt = clock.next_step(time, 0.0, 1.0);
+            assert!(dt == step || number + 2 >= steps, "step {number}: {dt}");
+            time += dt;
+            due += usize::from(clock.output_due(time));
+        }
+        assert!(clock.is_over(time));
+        assert_eq!(due, 400);
+    }
+
+    #[test]
+    fn an_interval_of_output_that_no_time_resolves_is_looked_at_once() {
+        let mut clock = with_output(1.0, 0.1, None, 1e-300);
+        assert!(clock.output_due(0.1));
+        assert!(clock.output_due(0.2));
     }
 }

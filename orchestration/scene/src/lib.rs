@@ -4,7 +4,7 @@
 //! Read in four steps: text (`document`), keys (`keys`, `read`), ranges (`check`), and resolution
 //! of what is relative or left out (`boundaries`, `walls`, `outline`, `grains`, `resolve`). Problems carry file,
 //! line, key and what is allowed; all range problems of a scene are reported at once. `plan` tells
-//! which processes, terms and fields the scene needs.
+//! which processes, terms and fields the scene needs; `memory` bounds what is asked for.
 
 pub mod boundaries;
 pub mod check;
@@ -14,6 +14,7 @@ pub mod grains;
 pub mod keys;
 mod load;
 mod mean_flow;
+mod memory;
 pub mod mesh_file;
 pub mod mesh_survey;
 mod outline;

@@ -71,6 +71,7 @@ pub fn resolve(
     } else {
         GrainTable::default()
     };
+    refuse_thin_slab(&keys, &table, checker);
     let particles =
         (!keys.grains.is_empty()).then(|| particle_part(&keys, walls, room.as_ref(), threads));
     let grain_boundaries = walls::of_mesh(&keys, conditions);
@@ -91,6 +92,21 @@ pub fn resolve(
         engines: keys.engines,
         output: keys.output,
         record: keys.record,
+    }
+}
+
+/// A slab is at least as deep as its largest sphere is wide: in a thinner one a sphere takes more volume
+/// than there is.
+fn refuse_thin_slab(keys: &SceneFile, grains: &GrainTable, checker: &mut Checker<'_>) {
+    let Some(Geometry::Sphere { depth }) = keys.coupling.as_ref().map(|c| c.geometry) else {
+        return;
+    };
+    let diameter = 2.0 * grains.radius.iter().copied().fold(0.0, f64::max);
+    if depth < diameter * (1.0 - 1e-9) {
+        checker.refuse(
+            "coupling.geometry.sphere.depth",
+            format!("must be at least the diameter of the largest grain, {diameter:e} m"),
+        );
     }
 }
 

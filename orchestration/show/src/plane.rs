@@ -74,3 +74,13 @@ pub fn bounds(points: impl Iterator<Item = Point>) -> (Point, Point) {
         )
     })
 }
+
+/// Lower left and upper right corner of disks.
+pub fn grain_bounds(centres: impl Iterator<Item = Point>, radius: &[f64]) -> (Point, Point) {
+    let radii = radius.iter().copied().chain(std::iter::repeat(0.0));
+    bounds(
+        centres
+            .zip(radii)
+            .flat_map(|(centre, radius)| [centre.map(|x| x - radius), centre.map(|x| x + radius)]),
+    )
+}

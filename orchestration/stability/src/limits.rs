@@ -65,6 +65,14 @@ impl Suspension {
         }
     }
 
+    /// Depth of a slab that is thinner than a grain is wide \[m\].
+    pub fn thin_slab(&self) -> Option<f64> {
+        match self.shape {
+            Shape::Sphere { depth } if depth < 2.0 * self.radius => Some(depth),
+            _ => None,
+        }
+    }
+
     fn frontal_area(&self) -> f64 {
         match self.shape {
             Shape::Disk => 2.0 * self.radius,

@@ -93,6 +93,7 @@ pub fn plug(packing: Packing, per_cell: f64, stiffness: f64) -> Case {
         },
         speed: (1.0 + packing.tolerance(per_cell)) * speed,
         weighs: false,
+        thin_slab: None,
     }
 }
 

@@ -22,6 +22,8 @@ pub struct Case {
     pub speed: f64,
     /// Do the grains weigh something in the fluid? The third law is reported relative to that.
     pub weighs: bool,
+    /// Depth of the slab \[m\], where it is thinner than a sphere is wide: `check` refuses that to others.
+    pub thin_slab: Option<f64>,
 }
 
 /// The closed form of a column of `steps.csv` at the end of a run.
@@ -76,7 +78,11 @@ pub(crate) fn coupling(mixture: &Suspension) -> String {
     };
     let geometry = match mixture.shape {
         Shape::Disk => "\"disk\"".into(),
-        Shape::Sphere { depth } => format!("{{ sphere = {{ depth = {depth:e} }} }}"),
+        // A slab that may be written; a thinner one is set on the scene that was read (`Case::thin_slab`).
+        Shape::Sphere { depth } => {
+            let depth = depth.max(2.0 * mixture.radius);
+            format!("{{ sphere = {{ depth = {depth:e} }} }}")
+        }
     };
     format!("[contact]\ntolerance = 1e-3\n[coupling]\ndrag = \"{law}\"\ngeometry = {geometry}\n")
 }
@@ -153,6 +159,7 @@ pub fn column(stiffness: f64, porosity: f64, ratio: f64, size: f64) -> Case {
         },
         speed: slip,
         weighs: !neutral,
+        thin_slab: mixture.thin_slab(),
     }
 }
 
@@ -190,6 +197,7 @@ pub fn drift(reynolds: f64, stiffness: f64) -> Case {
         },
         speed,
         weighs: false,
+        thin_slab: mixture.thin_slab(),
     }
 }
 
@@ -236,6 +244,7 @@ pub fn translation(courant: f64, peclet: f64) -> Case {
         // the initial velocity is the superficial one: some cells begin faster
         speed: 2.0 * speed,
         weighs: false,
+        thin_slab: None,
     }
 }
 
@@ -294,6 +303,7 @@ pub fn held(layers: f64, stiffness: f64) -> Case {
         },
         speed: speed / bed.porosity,
         weighs: true,
+        thin_slab: None,
     }
 }
 
@@ -325,6 +335,7 @@ pub fn pile(ratio: f64, contacts: f64) -> Case {
         },
         speed,
         weighs: true,
+        thin_slab: None,
     }
 }
 
@@ -364,5 +375,6 @@ pub fn pair(mixture: Suspension, step: f64) -> Case {
         },
         speed: slip,
         weighs: true,
+        thin_slab: None,
     }
 }

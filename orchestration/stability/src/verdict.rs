@@ -250,6 +250,7 @@ mod tests {
             },
             speed: 1.0,
             weighs: true,
+            thin_slab: None,
         };
         let done = Done {
             point: json!({ "exit": exit, "why": why }),

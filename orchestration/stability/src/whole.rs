@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use protocol::scene::Geometry;
 use run::batch::{self, Clock};
 use run::progress::Gauge;
 use run::{Runner, Voice};
@@ -222,7 +223,11 @@ fn settings(map: &Map, scheme: usize) -> Vec<String> {
 fn load(map: &Map, case: &Case, settings: &[String]) -> Result<Scene, Error> {
     let name = PathBuf::from(map.name).with_extension("toml");
     let document = Document::parse(&name, case.text.clone(), settings)?;
-    scene::from_document(&document, 1)
+    let mut scene = scene::from_document(&document, 1)?;
+    if let Some(depth) = case.thin_slab {
+        scene.coupler.geometry = Geometry::Sphere { depth };
+    }
+    Ok(scene)
 }
 
 fn place(folder: &Path, map: &Map, job: &Job) -> PathBuf {

@@ -66,8 +66,8 @@ pub fn at_random(
         let spot = (0..TRIES_MAX)
             .map(|_| region.sample(radius, random))
             .find(|&position| {
-                own.deepest_overlap(position, radius, false) <= 0.0
-                    && others.deepest_overlap(position, radius, fixed) <= 0.0
+                own.overlap(position, radius, false, 0.0).is_none()
+                    && others.overlap(position, radius, fixed, 0.0).is_none()
             });
         let Some(position) = spot else {
             return Err(placed.len());

@@ -5,14 +5,25 @@ use std::path::Path;
 
 use super::table::Grain;
 use crate::keys::Grains;
+use crate::memory;
 
 const COLUMNS: [&str; 7] = ["x", "y", "radius", "density", "vx", "vy", "fixed"];
 
 /// Read the file of a population.
 pub fn read(path: &Path, population: &Grains) -> Result<Vec<Grain>, String> {
     let at = path.display();
-    let text =
-        std::fs::read_to_string(path).map_err(|error| format!("{at} cannot be read: {error}"))?;
+    let unreadable = |error: std::io::Error| format!("{at} cannot be read: {error}");
+    let about = std::fs::metadata(path).map_err(unreadable)?;
+    if !about.is_file() {
+        return Err(format!("{at} is not a file"));
+    }
+    if let Some(why) = memory::refusal("bytes of text", about.len() as f64, 2.0) {
+        return Err(format!("{at}: {why}"));
+    }
+    let text = std::fs::read_to_string(path).map_err(unreadable)?;
+    if let Some(why) = memory::refusal("lines", text.lines().count() as f64, memory::GRAIN) {
+        return Err(format!("{at}: {why}"));
+    }
     // Spreadsheets begin a file with a mark of its encoding.
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let mut lines = text

@@ -50,8 +50,9 @@ pub fn generate(
         match placed {
             Err((key, why)) => checker.refuse(&key, why),
             Ok(rows) => {
-                let misplaced = misplaced(&rows, room, &mut neighbours);
-                if let Some(why) = misplaced.or_else(|| beside(&rows, fluid?)) {
+                let wide = room.and_then(|room| too_wide(&rows, room));
+                let why = wide.or_else(|| misplaced(&rows, room, &mut neighbours));
+                if let Some(why) = why.or_else(|| beside(&rows, fluid?)) {
                     checker.refuse(&key, why);
                 }
                 rows.into_iter().for_each(|grain| table.push(grain));
@@ -61,35 +62,45 @@ pub fn generate(
     table
 }
 
-/// The first grain that overlaps another one or lies outside; adds the grains to `neighbours`.
+/// The first grain that is wider than the domain, also where its sides are open or periodic.
+fn too_wide(rows: &[Grain], room: &GrainRoom) -> Option<String> {
+    let side = |axis: usize| room.upper[axis] - room.lower[axis];
+    let narrowest = side(0).min(side(1));
+    let is_wide = |grain: &Grain| 2.0 * grain.radius > narrowest * (1.0 + OVERLAP_MAX);
+    let number = rows.iter().position(is_wide)?;
+    let diameter = 2.0 * rows[number].radius;
+    Some(format!(
+        "grain {number} of this population is {diameter:e} m wide and the domain only {narrowest:e} m: \
+         make the grain smaller or the domain larger"
+    ))
+}
+
+/// The first grain that overlaps another one or lies outside; adds those before it to `neighbours`.
 fn misplaced(
     rows: &[Grain],
     room: Option<&GrainRoom>,
     neighbours: &mut Neighbours,
 ) -> Option<String> {
-    let mut first = None;
-    for (number, grain) in rows.iter().enumerate() {
-        let [x, y] = grain.position;
-        let overlap = neighbours.deepest_overlap(grain.position, grain.radius, grain.fixed);
-        if first.is_none() && overlap > OVERLAP_MAX * grain.radius {
-            let radius = grain.radius;
-            first = Some(format!(
-                "grain {number} of this population, at ({x:e}, {y:e}) m with radius {radius:e} m, \
-                 overlaps another grain by {overlap:e} m; at most {OVERLAP_MAX} of the radius is allowed"
-            ));
-        }
-        if let (None, Some(room)) = (&first, room)
-            && let Some(side) = outside(grain, room)
-        {
-            let radius = grain.radius;
-            first = Some(format!(
-                "grain {number} of this population, at ({x:e}, {y:e}) m with radius {radius:e} m, \
-                 reaches beyond the {side} side of the domain"
-            ));
-        }
+    rows.iter().enumerate().find_map(|(number, grain)| {
+        let why = wrong_place(grain, room, neighbours);
         neighbours.insert(grain.position, grain.radius, grain.fixed);
+        let ([x, y], radius) = (grain.position, grain.radius);
+        why.map(|why| {
+            format!("grain {number} of this population, at ({x:e}, {y:e}) m with radius {radius:e} m, {why}")
+        })
+    })
+}
+
+/// What is wrong with the place of a grain.
+fn wrong_place(grain: &Grain, room: Option<&GrainRoom>, neighbours: &Neighbours) -> Option<String> {
+    let allowed = OVERLAP_MAX * grain.radius;
+    if let Some(overlap) = neighbours.overlap(grain.position, grain.radius, grain.fixed, allowed) {
+        return Some(format!(
+            "overlaps another grain by {overlap:e} m; at most {OVERLAP_MAX} of the radius is allowed"
+        ));
     }
-    first
+    let side = outside(grain, room?)?;
+    Some(format!("reaches beyond the {side} side of the domain"))
 }
 
 /// The first grain that is not in the fluid.

@@ -17,10 +17,19 @@ pub struct Frame<'a> {
 }
 
 /// Points along one axis: the first, the distance between two, how many.
+#[derive(Clone, Copy)]
 struct Row {
     first: f64,
     pitch: f64,
-    count: usize,
+    count: f64,
+}
+
+/// A lattice that is decided, and not made yet.
+pub struct Rows {
+    across: Row,
+    up: Row,
+    /// How far every second row is shifted \[m\].
+    shift: f64,
 }
 
 impl Frame<'_> {
@@ -50,8 +59,13 @@ impl Frame<'_> {
         }
     }
 
+    fn rows(&self, [across, up]: [Row; 2]) -> Rows {
+        let shift = self.shift(0) * across.pitch;
+        Rows { across, up, shift }
+    }
+
     /// A lattice with this distance between neighbours, centred.
-    pub fn with_spacing(&self, spacing: f64) -> (Vec<[f64; 2]>, f64) {
+    pub fn with_spacing(&self, spacing: f64) -> Rows {
         let rows = [spacing, spacing * self.aspect()];
         let rows = [0, 1].map(|axis| {
             let (side, pitch, shift) = (self.side(axis), rows[axis], self.shift(axis));
@@ -61,19 +75,19 @@ impl Frame<'_> {
                 (side - 2.0 * self.radius) / pitch + 1.0 - shift
             };
             // A rectangle made for whole cells must not lose one to round-off.
-            let count = (room * (1.0 + 1e-12)).floor().max(0.0) as usize;
-            let extent = (count as f64 - 1.0 + shift) * pitch;
+            let count = (room * (1.0 + 1e-12)).floor().max(0.0);
+            let extent = (count - 1.0 + shift) * pitch;
             Row {
                 first: self.lattice.lower[axis] + 0.5 * (side - extent),
                 pitch,
                 count,
             }
         });
-        self.points(&rows)
+        self.rows(rows)
     }
 
     /// A lattice with as many grains as make this solid fraction of the rectangle.
-    pub fn with_fraction(&self, fraction: f64, grain_area: f64) -> (Vec<[f64; 2]>, f64) {
+    pub fn with_fraction(&self, fraction: f64, grain_area: f64) -> Rows {
         let cell_area = grain_area / fraction;
         let ideal = (cell_area / self.aspect()).sqrt();
         let columns = (self.side(0) / ideal).round().max(1.0);
@@ -81,8 +95,7 @@ impl Frame<'_> {
         let rows = (self.side(0) * self.side(1) / cell_area / columns)
             .round()
             .max(1.0);
-        let rows = [(0, columns), (1, rows)].map(|(axis, count)| self.fitted(axis, count));
-        self.points(&rows)
+        self.rows([(0, columns), (1, rows)].map(|(axis, count)| self.fitted(axis, count)))
     }
 
     /// `count` points over the whole side.
@@ -105,30 +118,38 @@ impl Frame<'_> {
         Row {
             first: self.lattice.lower[axis] + first,
             pitch,
-            count: count as usize,
+            count,
         }
     }
+}
 
-    /// The points, and the smallest distance between two of them.
-    fn points(&self, [across, up]: &[Row; 2]) -> (Vec<[f64; 2]>, f64) {
-        let mut positions = Vec::with_capacity(across.count * up.count);
-        for row in 0..up.count {
-            let shift = self.shift(0) * across.pitch * (row % 2) as f64;
-            for column in 0..across.count {
-                let x = across.first + shift + column as f64 * across.pitch;
-                positions.push([x, up.first + row as f64 * up.pitch]);
+impl Rows {
+    /// How many points.
+    pub fn count(&self) -> f64 {
+        self.across.count * self.up.count
+    }
+
+    /// The smallest distance between two points \[m\].
+    pub fn nearest(&self) -> f64 {
+        let apart = |row: Row, distance: f64| match row.count > 1.0 {
+            true => distance,
+            false => f64::INFINITY,
+        };
+        let within_row = apart(self.across, self.across.pitch);
+        within_row.min(apart(self.up, self.shift.hypot(self.up.pitch)))
+    }
+
+    /// The points.
+    pub fn points(&self) -> Vec<[f64; 2]> {
+        let (columns, rows) = (self.across.count as usize, self.up.count as usize);
+        let mut positions = Vec::with_capacity(columns * rows);
+        for row in 0..rows {
+            let shift = self.shift * (row % 2) as f64;
+            for column in 0..columns {
+                let x = self.across.first + shift + column as f64 * self.across.pitch;
+                positions.push([x, self.up.first + row as f64 * self.up.pitch]);
             }
         }
-        let within_row = if across.count > 1 {
-            across.pitch
-        } else {
-            f64::INFINITY
-        };
-        let between_rows = if up.count > 1 {
-            (self.shift(0) * across.pitch).hypot(up.pitch)
-        } else {
-            f64::INFINITY
-        };
-        (positions, within_row.min(between_rows))
+        positions
     }
 }

@@ -1,78 +1,144 @@
-//! Grains already placed, by cells as large as the largest grain, with periodic images.
+//! Grains already placed, by cells, with periodic images.
+//!
+//! Grains of like radius, a factor 2, share a level with cells as wide as its largest grain, so that a few
+//! large ones do not crowd the cells of the small. Fixed grains may overlap each other, in any number: they
+//! lie in a list of their own that fixed grains do not look at, and one that repeats the last is not kept.
 
 use std::collections::BTreeMap;
 
 /// Cell list of placed grains.
 pub struct Neighbours {
-    cell: f64,
+    /// Largest diameter \[m\].
+    largest: f64,
     period: [Option<f64>; 2],
-    cells: BTreeMap<(i64, i64), Vec<Placed>>,
+    /// By how often the largest diameter is halved.
+    levels: BTreeMap<u32, BTreeMap<(i64, i64), Cell>>,
 }
 
-#[derive(Clone, Copy)]
+#[derive(Default)]
+struct Cell {
+    free: Vec<Placed>,
+    fixed: Vec<Placed>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
 struct Placed {
     position: [f64; 2],
     radius: f64,
-    fixed: bool,
 }
 
 impl Neighbours {
-    /// An empty list; `cell` is the largest diameter.
-    pub fn new(cell: f64, period: [Option<f64>; 2]) -> Self {
+    /// An empty list; `largest` is the largest diameter \[m\].
+    pub fn new(largest: f64, period: [Option<f64>; 2]) -> Self {
         Neighbours {
-            cell: cell.max(f64::MIN_POSITIVE),
+            largest: largest.max(f64::MIN_POSITIVE),
             period,
-            cells: BTreeMap::new(),
+            levels: BTreeMap::new(),
         }
     }
 
     /// An empty list with the same cells and periods.
     pub fn like(&self) -> Self {
-        Neighbours::new(self.cell, self.period)
+        Neighbours::new(self.largest, self.period)
     }
 
-    fn index(&self, position: [f64; 2]) -> (i64, i64) {
-        (
-            (position[0] / self.cell).floor() as i64,
-            (position[1] / self.cell).floor() as i64,
-        )
+    fn cell_of_level(&self, level: u32) -> f64 {
+        (self.largest / 2f64.powi(level as i32)).max(f64::MIN_POSITIVE)
     }
 
     /// Add a grain and its images across periodic sides.
     pub fn insert(&mut self, position: [f64; 2], radius: f64, fixed: bool) {
-        let shifts = self.period.map(|period| match period {
-            Some(period) => vec![0.0, -period, period],
-            None => vec![0.0],
-        });
-        for dx in &shifts[0] {
-            for dy in &shifts[1] {
-                let image = [position[0] + dx, position[1] + dy];
-                let cell = self.index(image);
-                self.cells.entry(cell).or_default().push(Placed {
-                    position: image,
-                    radius,
-                    fixed,
-                });
+        let level = (self.largest / (2.0 * radius)).log2().max(0.0) as u32;
+        let width = self.cell_of_level(level);
+        let cells = self.levels.entry(level).or_default();
+        let shifts = |period: Option<f64>| match period {
+            Some(period) => [Some(0.0), Some(-period), Some(period)],
+            None => [Some(0.0), None, None],
+        };
+        for dx in shifts(self.period[0]).into_iter().flatten() {
+            for dy in shifts(self.period[1]).into_iter().flatten() {
+                let position = [position[0] + dx, position[1] + dy];
+                let place = position.map(|x| (x / width).floor() as i64);
+                let cell = cells.entry((place[0], place[1])).or_default();
+                let list = if fixed {
+                    &mut cell.fixed
+                } else {
+                    &mut cell.free
+                };
+                let placed = Placed { position, radius };
+                if list.last() != Some(&placed) {
+                    list.push(placed);
+                }
             }
         }
     }
 
-    /// Largest overlap \[m\] with a placed grain; 0 for none. Two fixed grains may overlap.
-    pub fn deepest_overlap(&self, position: [f64; 2], radius: f64, fixed: bool) -> f64 {
-        let (column, row) = self.index(position);
-        let mut deepest: f64 = 0.0;
-        for i in column - 1..=column + 1 {
-            for j in row - 1..=row + 1 {
-                for other in self.cells.get(&(i, j)).into_iter().flatten() {
-                    let dx = other.position[0] - position[0];
-                    let dy = other.position[1] - position[1];
-                    let overlap = radius + other.radius - dx.hypot(dy);
-                    if !(fixed && other.fixed) {
-                        deepest = deepest.max(overlap);
-                    }
-                }
+    /// An overlap \[m\] with a placed grain by more than `allowed` \[m\]. Two fixed grains may overlap.
+    pub fn overlap(
+        &self,
+        position: [f64; 2],
+        radius: f64,
+        fixed: bool,
+        allowed: f64,
+    ) -> Option<f64> {
+        let with = |other: &Placed| {
+            let dx = other.position[0] - position[0];
+            let dy = other.position[1] - position[1];
+            let overlap = radius + other.radius - dx.hypot(dy);
+            (overlap > allowed).then_some(overlap)
+        };
+        let in_cell = |cell: &Cell| {
+            let fixed = if fixed { &[][..] } else { &cell.fixed };
+            cell.free.iter().chain(fixed).find_map(with)
+        };
+        self.levels.iter().find_map(|(&level, cells)| {
+            let width = self.cell_of_level(level);
+            let place = |x: f64| (x / width).floor() as i64;
+            let reach = radius + 0.5 * width;
+            let [low, high] = [-reach, reach].map(|reach| position.map(|x| place(x + reach)));
+            let rows = |column: i64| cells.range((column, low[1])..=(column, high[1]));
+            let columns = high[0].abs_diff(low[0]);
+            if columns < cells.len() as u64 {
+                (low[0]..=high[0])
+                    .find_map(|column| rows(column).find_map(|(_, cell)| in_cell(cell)))
+            } else {
+                cells.values().find_map(in_cell)
             }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn overlaps_are_found_between_grains_of_all_sizes_and_across_periods() {
+        let mut grains = Neighbours::new(2.0, [Some(10.0), None]);
+        for number in 0..100 {
+            grains.insert([0.05 * f64::from(number), 0.0], 1e-3, false);
         }
-        deepest
+        assert_eq!(grains.overlap([9.5, 0.5], 0.4, false, 0.0), None);
+        let across = grains.overlap([9.5, 0.3], 1.0, false, 0.0);
+        println!("{across:?}");
+        assert!(across.is_some_and(|overlap| overlap > 0.0));
+        grains.insert([5.0, 5.0], 1.0, true);
+        let small = grains.overlap([5.0, 5.9], 1e-3, false, 0.0);
+        assert!(small.is_some_and(|overlap| (overlap - 0.101).abs() < 1e-12));
+        assert_eq!(grains.overlap([5.0, 5.9], 1e-3, true, 0.0), None);
+        assert_eq!(grains.overlap([5.0, 5.9], 1e-3, false, 0.2), None);
+    }
+
+    #[test]
+    fn repeats_in_one_place_are_looked_at_once() {
+        let mut grains = Neighbours::new(2.0, [None; 2]);
+        let begun = std::time::Instant::now();
+        for _ in 0..300_000 {
+            assert_eq!(grains.overlap([0.0; 2], 1.0, true, 0.0), None);
+            grains.insert([0.0; 2], 1.0, true);
+            grains.insert([1e-3, 0.0], 1.0, true);
+        }
+        println!("{:?}", begun.elapsed());
+        assert!(begun.elapsed() < std::time::Duration::from_secs(5));
     }
 }

@@ -7,7 +7,8 @@ use super::lattice::Frame;
 use super::neighbours::Neighbours;
 use super::random::Random;
 use super::table::Grain;
-use crate::keys::{Arrangement, Cloud, FilledBox, Grains, Lattice, Radius};
+use crate::keys::{Arrangement, Cloud, FilledBox, Grains, Lattice, Pattern, Radius};
+use crate::memory;
 use crate::walls::GrainRoom;
 
 /// Key and message of what cannot be placed.
@@ -151,28 +152,38 @@ fn place_lattice(
         radius: radius.max(),
         wraps,
     };
-    let (positions, nearest) = match (lattice.spacing, lattice.solid_fraction) {
+    let rows = match (lattice.spacing, lattice.solid_fraction) {
         (Some(spacing), _) => frame.with_spacing(spacing),
         (None, fraction) => frame.with_fraction(fraction.unwrap_or(0.0), mean_area(radius)),
     };
-    if positions.is_empty() {
-        return Err((
-            key.to_string(),
-            "not one grain fits into this rectangle".into(),
+    let refuse = |why: String| Err((key.to_string(), why));
+    if rows.count() < 1.0 {
+        return refuse("not one grain fits into this rectangle".into());
+    }
+    let (nearest, diameter) = (rows.nearest(), 2.0 * radius.max());
+    if nearest < diameter * (1.0 - 1e-9) {
+        return refuse(format!(
+            "neighbours would be {nearest:e} m apart and grains are {diameter:e} m wide: {}",
+            looser(lattice)
         ));
     }
-    if nearest < 2.0 * radius.max() * (1.0 - 1e-9) {
-        let diameter = 2.0 * radius.max();
-        let why = format!(
-            "neighbours would be {nearest:e} m apart and grains are {diameter:e} m wide: \
-             lower the solid fraction, or use pattern = \"hexagonal\""
-        );
-        return Err((key.to_string(), why));
+    if let Some(why) = memory::refusal("grains", rows.count(), memory::GRAIN) {
+        return refuse(why);
     }
+    let positions = rows.points();
     Ok(positions
         .into_iter()
         .map(|position| (position, draw(radius, &mut random)))
         .collect())
+}
+
+/// What makes a lattice less dense, and is not so yet.
+fn looser(lattice: &Lattice) -> &'static str {
+    match (lattice.spacing.is_some(), lattice.pattern) {
+        (true, _) => "raise the spacing, or make the grains smaller",
+        (false, Pattern::Square) => "lower the solid fraction, or use pattern = \"hexagonal\"",
+        (false, Pattern::Hexagonal) => "lower the solid fraction",
+    }
 }
 
 fn place_at_random(
@@ -222,11 +233,8 @@ fn radii(
             "this fraction of this area is less than one grain".into(),
         ));
     }
-    if count > 50_000_000 {
-        return Err((
-            key.to_string(),
-            format!("{count} grains are more than this version places, 5e7"),
-        ));
+    if let Some(why) = memory::refusal("grains", count as f64, memory::GRAIN) {
+        return Err((key.to_string(), why));
     }
     let mut radii: Vec<f64> = (0..count).map(|_| draw(radius, random)).collect();
     // The drawn areas scatter around their mean; dropping or adding grains meets the fraction.

@@ -5,7 +5,9 @@ use std::path::Path;
 
 use protocol::field::Field;
 use protocol::message::Role;
-use protocol::scene::{Boundary, Convection, FluidScene, Geometry, MeshSource, Nonlinear, Scheme};
+use protocol::scene::{
+    Boundary, Convection, CouplerScene, FluidScene, Geometry, MeshSource, Nonlinear, Scheme,
+};
 use serde::Serialize;
 
 use super::choices::{self, Choice};
@@ -65,11 +67,7 @@ pub struct Exchange {
 pub fn plan(scene: &Scene) -> Plan {
     let coupler = &scene.coupler;
     let adaptive = coupler.adaptive.is_some();
-    let steps = (coupler.end_time / coupler.coupling_step - 1e-9).ceil() as u64;
-    let states = match coupler.output_every {
-        Some(every) => (coupler.end_time / every + 1e-9).floor() as u64 + 1,
-        None => 2,
-    };
+    let (steps, states) = steps_and_states(coupler);
     Plan {
         scene: scene.name.clone(),
         processes: processes(scene),
@@ -82,6 +80,21 @@ pub fn plan(scene: &Scene) -> Plan {
         choices: choices::choices(scene),
         warnings: scene.warnings.clone(),
     }
+}
+
+/// Coupling steps of equal length, cut where states are put out, and the states: at the start, at each time
+/// of output, at the end.
+fn steps_and_states(coupler: &CouplerScene) -> (u64, u64) {
+    let steps = |time: f64| (time / coupler.coupling_step - 1e-9).ceil() as u64;
+    let Some(every) = coupler.output_every else {
+        return (steps(coupler.end_time), 2);
+    };
+    let intervals = (coupler.end_time / every - 1e-9).ceil() as u64;
+    let last = coupler.end_time - every * intervals.saturating_sub(1) as f64;
+    (
+        intervals.saturating_sub(1) * steps(every) + steps(last),
+        intervals + 1,
+    )
 }
 
 /// Both phases present?

@@ -1,5 +1,6 @@
 //! Tests of scenes, in one binary.
 
+mod bounds;
 mod mesh_files;
 mod populations;
 mod scene_errors;

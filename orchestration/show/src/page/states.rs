@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::plane::{Triangles, bounds};
+use crate::plane::{Triangles, bounds, grain_bounds};
 use run::vtu::read::{self, State};
 use scene::Error;
 use serde::Serialize;
@@ -200,7 +200,7 @@ impl Reader {
         };
         let window = match &self.mesh {
             Some(mesh) => mesh.bounds(),
-            None if outline.is_empty() => bounds(positions.iter().copied()),
+            None if outline.is_empty() => grain_bounds(positions.iter().copied(), &radius),
             None => bounds(outline.iter().flatten().chain(&positions).copied()),
         };
         if let Some(mesh) = &self.mesh {

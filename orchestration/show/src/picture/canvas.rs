@@ -66,8 +66,8 @@ impl Canvas {
 
     /// A filled rectangle; `right` and `bottom` are outside it.
     pub fn fill(&mut self, left: i64, top: i64, right: i64, bottom: i64, colour: Rgb) {
-        for y in top..bottom {
-            for x in left..right {
+        for y in top.max(0)..bottom.min(self.height as i64) {
+            for x in left.max(0)..right.min(self.width as i64) {
                 self.blend(x, y, colour, 1.0);
             }
         }
@@ -118,19 +118,23 @@ impl Canvas {
         }
     }
 
-    /// A filled disk. Below a pixel it stays visible and pales with its area instead.
-    pub fn disk(&mut self, centre: [f64; 2], radius: f64, colour: Rgb) {
+    /// A filled disk, as far as it lies between two corners of the paper. Below a pixel it stays visible and
+    /// pales with its area instead.
+    pub fn disk(&mut self, centre: [f64; 2], radius: f64, colour: Rgb, within: [[f64; 2]; 2]) {
         let drawn = radius.max(0.55);
         let opacity = if radius < drawn {
             (radius / drawn).powi(2).max(0.65)
         } else {
             1.0
         };
-        let range = |middle: f64| {
-            (middle - drawn - 1.0).floor() as i64..=(middle + drawn + 1.0).ceil() as i64
+        let size = [self.width, self.height];
+        let range = |axis: usize| {
+            let low = (centre[axis] - drawn - 1.0).max(within[0][axis]).max(0.0);
+            let high = (centre[axis] + drawn + 1.0).min(within[1][axis]);
+            low.floor() as i64..(high.ceil() as i64).clamp(0, size[axis] as i64)
         };
-        for y in range(centre[1]) {
-            for x in range(centre[0]) {
+        for y in range(1) {
+            for x in range(0) {
                 let distance = (x as f64 + 0.5 - centre[0]).hypot(y as f64 + 0.5 - centre[1]);
                 let cover = (drawn + 0.5 - distance).clamp(0.0, 1.0);
                 if cover > 0.0 {
@@ -188,4 +192,21 @@ pub fn register_sans() {
         // The bytes are a constant of the program, so they are a font.
         let _ = register_font("sans-serif", FontStyle::Normal, dejavu::sans::regular());
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_disk_of_any_size_takes_the_time_of_its_window_and_stays_in_it() {
+        let mut canvas = Canvas::new(100, 50);
+        let begun = std::time::Instant::now();
+        canvas.disk([20.0, 20.0], 1e12, INK, [[10.0, 10.0], [30.0, 40.0]]);
+        canvas.disk([1e300, -1e300], 1e200, INK, [[0.0; 2], [100.0, 50.0]]);
+        canvas.fill(i64::MIN, i64::MAX - 1, i64::MAX, i64::MAX, INK);
+        assert!(begun.elapsed() < std::time::Duration::from_secs(1));
+        let inked = canvas.pixels.chunks_exact(3).filter(|pixel| *pixel == INK);
+        assert_eq!(inked.count(), 20 * 30);
+    }
 }

@@ -77,14 +77,16 @@ fn shown(stage: &Stage, states: &[&State]) -> Option<([f64; 2], [f64; 2])> {
         .iter()
         .filter(|state| !state.grain_position.is_empty())
     {
-        let (start, end) = state.grain_bounds();
+        let (start, end) = stage.grain_bounds(state);
         low = [low[0].min(start[0]), low[1].min(start[1])];
         high = [high[0].max(end[0]), high[1].max(end[1])];
     }
     if low[0] > high[0] {
         return Some((lower, upper));
     }
+    let widest = stage.grain_radius.iter().copied().fold(0.0, f64::max);
     let margin = 0.35 * (high[0] - low[0]).max(0.25 * (high[1] - low[1]));
+    let margin = margin.max(2.0 * widest);
     let clipped_low = [0, 1].map(|axis| (low[axis] - margin).max(lower[axis]));
     let clipped_high = [0, 1].map(|axis| (high[axis] + margin).min(upper[axis]));
     let visible = (0..2).all(|axis| clipped_low[axis] < clipped_high[axis]);
@@ -159,5 +161,46 @@ impl Album {
     /// The states kept, and the last one in any case.
     pub fn states(&self) -> Vec<&State> {
         self.kept.iter().chain(&self.last).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::picture::colour::GRAIN;
+
+    #[test]
+    fn one_grain_at_rest_lies_whole_within_each_panel() {
+        let mut stage = Stage::new("rest", None, &[], vec![1e-3], vec![false]);
+        stage.mesh = crate::plane::Triangles::of(run::vtu::mesh::Mesh {
+            dimension: 2,
+            points: vec![0.0, 0.0, 1.0, 0.0, 0.0, 1.0],
+            node_of: vec![0, 1, 2],
+            corners: vec![0, 1, 2],
+            node_count: 3,
+        });
+        stage.window = ([0.0; 2], [1.0; 2]);
+        let state = |time: f64| State {
+            time,
+            grain_position: vec![[0.3, 0.3]],
+            grain_speed: vec![0.0],
+            ..State::default()
+        };
+        let states = [state(0.0), state(1.0)];
+        let (low, high) = shown(&stage, &[&states[0], &states[1]]).expect("something");
+        println!("{low:?} {high:?}");
+        assert!(low[0] <= 0.3 - 2.9e-3 && high[0] >= 0.3 + 2.9e-3);
+        let begun = std::time::Instant::now();
+        let mut sheet = overview(&stage, &[&states[0], &states[1]]).expect("a sheet");
+        assert!(begun.elapsed() < std::time::Duration::from_secs(5));
+        let width = sheet.width;
+        let inked = |pixel: &[u8]| pixel == GRAIN;
+        let rows = sheet.pixels_mut().chunks_exact(3 * width);
+        // seen from left to right: paper, grain, paper, grain, paper
+        let changes = rows.map(|row| {
+            let row: Vec<bool> = row.chunks_exact(3).map(inked).collect();
+            row.windows(2).filter(|pair| pair[0] != pair[1]).count()
+        });
+        assert_eq!(changes.max(), Some(4));
     }
 }

@@ -1,6 +1,6 @@
 //! What is drawn: the stage, which does not change during a run, and the states on it.
 
-use crate::plane::{Triangles, bounds};
+use crate::plane::{Triangles, bounds, grain_bounds};
 
 /// What stays the same in all pictures of a run.
 #[derive(Debug, Clone)]
@@ -52,9 +52,17 @@ impl Stage {
         if self.window.0[0] < self.window.1[0] && self.window.0[1] < self.window.1[1] {
             return;
         }
-        let (low, high) = state.grain_bounds();
+        let (low, high) = self.grain_bounds(state);
         let margin = 0.5 * (high[0] - low[0]).max(high[1] - low[1]).max(1e-6);
         self.window = (low.map(|x| x - margin), high.map(|x| x + margin));
+    }
+
+    /// Lower left and upper right corner of the grains, as wide as they are \[m\].
+    pub fn grain_bounds(&self, state: &State) -> ([f64; 2], [f64; 2]) {
+        grain_bounds(
+            state.grain_position.iter().map(|p| p.map(f64::from)),
+            &self.grain_radius,
+        )
     }
 }
 
@@ -90,10 +98,5 @@ impl State {
             false if fluid < ROUND_OFF * grains => 0.0,
             false => fluid,
         }
-    }
-
-    /// Smallest and largest coordinates of the centres \[m\].
-    pub fn grain_bounds(&self) -> ([f64; 2], [f64; 2]) {
-        bounds(self.grain_position.iter().map(|p| p.map(f64::from)))
     }
 }

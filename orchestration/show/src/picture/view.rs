@@ -137,11 +137,9 @@ impl View {
     }
 
     fn draw_grains(&self, canvas: &mut Canvas, stage: &Stage, state: &State, speed_max: f64) {
+        let window = [[self.left, self.top], [self.right(), self.bottom()]];
         for (index, position) in state.grain_position.iter().enumerate() {
             let centre = self.place(position.map(f64::from));
-            if !self.contains_pixel(centre[0], centre[1]) {
-                continue;
-            }
             let fixed = stage.grain_fixed.get(index).copied().unwrap_or(false);
             let colour = match (fixed, &stage.mesh) {
                 (true, _) => FIXED_GRAIN,
@@ -162,6 +160,7 @@ impl View {
                 centre,
                 if pixels > 3.0 { pixels - 0.4 } else { pixels },
                 colour,
+                window,
             );
         }
     }
