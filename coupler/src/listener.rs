@@ -1,5 +1,7 @@
 //! Who follows a run: the orchestrator over its link, or, without one, who reads standard output.
 
+use std::io::{Write, stdout};
+
 use protocol::field::Field;
 use protocol::message::Diagnostic;
 use protocol::monitor::MonitorSender;
@@ -51,7 +53,11 @@ impl Listener {
             Listener::Output => {
                 let number = |column: Diagnostic| (column.name, column.value.into());
                 let object = columns.into_iter().map(number).collect();
-                println!("{}", serde_json::Value::Object(object));
+                // A reader that has seen enough is no reason to stop.
+                let line = serde_json::Value::Object(object);
+                if let Err(error) = writeln!(stdout().lock(), "{line}") {
+                    tracing::debug!("a step could not be told: {error}");
+                }
                 Ok(())
             }
         }

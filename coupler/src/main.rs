@@ -50,7 +50,11 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            tracing::error!("coupler: {error}");
+            match error {
+                // As somebody wished.
+                CouplerError::Interrupted { .. } => tracing::info!("{error}"),
+                _ => tracing::error!("coupler: {error}"),
+            }
             ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(1))
         }
     }

@@ -1,5 +1,6 @@
 //! The particle seat: the only file that knows the protocol.
 
+use std::io::Write;
 use std::num::NonZeroU32;
 use std::path::Path;
 use std::process::ExitCode;
@@ -230,7 +231,9 @@ fn warn_of_overlap(model: &Model) {
     let overlap = model.weight() / (rate * rate) / smallest;
     if overlap > TOO_MUCH {
         let enough = model.settings.frequency * (overlap / TOO_MUCH).sqrt();
-        eprintln!(
+        // On a log that may be full.
+        let _ = writeln!(
+            std::io::stderr(),
             "rapier-particles: a grain at rest will overlap by about {overlap:.1e} of the smallest \
              radius; --frequency {enough:.0} makes it 1e-2"
         );

@@ -95,9 +95,9 @@ pub fn replay(reader: &mut Reader, role: Role, engine: Option<&str>) -> Result<R
         ReplayError::Recording(error) => error.into(),
         ReplayError::Exchange(error) => {
             if let Some(process) = &process {
-                eprintln!("    {} {}", process.seat, process.ending());
+                run::tell!("    {} {}", process.seat, process.ending());
                 for line in process.last_words(5) {
-                    eprintln!("    {line}");
+                    run::tell!("    {line}");
                 }
             }
             failed(error)

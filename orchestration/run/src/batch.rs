@@ -37,13 +37,16 @@ pub fn known(place: &Path, mark: &Value) -> Option<Done> {
     Some(Done { point, document })
 }
 
-/// Run a scene; none when it was interrupted.
+/// Run a scene; none when it was interrupted. What was run here before was something else: it goes.
 pub fn one(
     scene: &Scene,
     place: &Path,
     mark: &Value,
     runner: &Runner,
 ) -> Result<Option<Done>, Error> {
+    if place.join("point.json").is_file() {
+        std::fs::remove_dir_all(place).map_err(Error::file("cannot remove", place))?;
+    }
     let outcome = runner.run(scene, place)?;
     if outcome.ending.code == exit_code::INTERRUPTED {
         return Ok(None);
@@ -67,13 +70,21 @@ pub fn write_point(
     Ok(point)
 }
 
-/// A name as that of a folder: its letters and digits, and `.-_=`; dashes for the rest.
+/// A name as that of a folder, another one for each: its letters and digits, and `.-_=`; the rest by number.
 pub fn folder_name(name: &str) -> String {
-    let plain = |c: char| match c.is_alphanumeric() || ".-_=".contains(c) {
-        true => c,
-        false => '-',
-    };
-    name.chars().map(plain).collect()
+    if name.is_empty() {
+        return "%%".to_owned();
+    }
+    let mut folder = String::new();
+    for (place, c) in name.chars().enumerate() {
+        let plain = c.is_alphanumeric() || "-_=,".contains(c) || c == '.' && place > 0;
+        match (plain, c) {
+            (true, _) => folder.push(c),
+            (false, ' ') => folder.push('+'),
+            (false, _) => folder += &format!("%{:x}%", u32::from(c)),
+        }
+    }
+    folder
 }
 
 /// Runnable processes, mean of the last minute.
@@ -124,5 +135,38 @@ impl Clock {
             }
         };
         format!("{bar} {} of {} runs{left}", self.done, self.all)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::folder_name;
+
+    #[test]
+    fn two_names_never_share_a_folder_and_none_leaves_it() {
+        let names = [
+            "a/b",
+            "a-b",
+            "a b",
+            "a+b",
+            "a%2f%b",
+            "",
+            "..",
+            ".",
+            "a.b",
+            "Ja, 1.5e-3",
+        ];
+        let folders = names.map(folder_name);
+        println!("{folders:?}");
+        let mut sorted = folders.to_vec();
+        sorted.sort();
+        sorted.dedup();
+        assert_eq!(sorted.len(), names.len());
+        assert!(
+            folders
+                .iter()
+                .all(|folder| !folder.contains('/') && !folder.starts_with('.'))
+        );
+        assert_eq!(folders[1], "a-b");
     }
 }

@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::ErrorKind;
+use std::os::unix::fs::PermissionsExt;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -166,6 +167,56 @@ pub fn program_of_scene(program: &str, folder: &Path) -> PathBuf {
     std::path::absolute(&path).unwrap_or(path)
 }
 
+/// Seats whose engine names a program that is nowhere, with what was looked for.
+pub fn missing_programs(scene: &Scene) -> Vec<(&'static str, String)> {
+    let engines = [
+        ("fluid", &scene.engines.fluid, scene.coupler.fluid.is_some()),
+        (
+            "particles",
+            &scene.engines.particles,
+            scene.coupler.particles.is_some(),
+        ),
+    ];
+    let named = engines.into_iter().filter_map(|(seat, engine, starts)| {
+        let program = engine.as_ref()?.command.first()?;
+        (starts && !is_program(program, &scene.folder)).then(|| (seat, nowhere(program)))
+    });
+    named.collect()
+}
+
+/// Refuse a scene whose engines are not there.
+pub fn require_programs(scene: &Scene) -> Result<(), Error> {
+    match missing_programs(scene).first() {
+        None => Ok(()),
+        Some((seat, why)) => Err(Error::Usage(format!("engines.{seat}.command: {why}"))),
+    }
+}
+
+fn nowhere(program: &str) -> String {
+    match program.contains('/') {
+        true => format!("{program} is no program in the folder of the scene"),
+        false => format!(
+            "{program} is no program beside sillage, nor in PATH{}",
+            remedy(&ErrorKind::NotFound.into())
+        ),
+    }
+}
+
+/// Is there such a program, for an engine of a scene in this folder?
+fn is_program(program: &str, folder: &Path) -> bool {
+    let path = program_of_scene(program, folder);
+    if path.components().count() > 1 {
+        return is_executable(&path);
+    }
+    let paths = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&paths).any(|folder| is_executable(&folder.join(program)))
+}
+
+fn is_executable(path: &Path) -> bool {
+    let mode = std::fs::metadata(path).map(|about| (about.is_file(), about.permissions().mode()));
+    mode.is_ok_and(|(is_file, mode)| is_file && mode & 0o111 != 0)
+}
+
 /// A program beside this one.
 pub fn sibling(name: &str) -> Result<PathBuf, Error> {
     let here = std::env::current_exe().map_err(Error::file("cannot find", "this program"))?;
@@ -213,7 +264,10 @@ impl Process {
         match self.ended {
             None => "still runs".into(),
             Some(status) => match (status.code(), status.signal()) {
-                (Some(code), _) => format!("ended with exit code {code}"),
+                (Some(code), _) => match self.told() {
+                    Some(signal) => format!("ended on {}, as it was told", signal.as_str()),
+                    None => format!("ended with exit code {code}"),
+                },
                 (_, Some(7)) => {
                     "was killed by SIGBUS: shared memory is full, see `sillage doctor`".into()
                 }
@@ -226,9 +280,17 @@ impl Process {
         }
     }
 
-    /// Did it end by a signal that did not come from here?
+    /// Did it end by a signal that did not come from here, at once or as it was told?
     pub fn was_killed(&self) -> bool {
-        !self.signalled && self.ended.is_some_and(|status| status.signal().is_some())
+        let by_signal = |status: ExitStatus| status.signal().is_some();
+        !self.signalled && (self.ended.is_some_and(by_signal) || self.told().is_some())
+    }
+
+    /// The signal that it ended on by itself: by custom the exit code is 128 and the number of the signal.
+    fn told(&self) -> Option<Signal> {
+        let signal = Signal::try_from(self.code()? - 128).ok()?;
+        let heeded = [Signal::SIGTERM, Signal::SIGHUP, Signal::SIGINT];
+        heeded.contains(&signal).then_some(signal)
     }
 
     /// Its exit code, when it ended with one.

@@ -7,16 +7,20 @@
 //! | `interrupt`, `progress` | Ctrl-C, and how far a run is |
 //! | `folder` | `run.json`, `steps.csv`, the recording, how states get there |
 //! | `vtu` | states for ParaView, written and read back |
-//! | `version`, `file` | what this program is; files that others may be reading |
+//! | `version`, `file`, `disk` | what this program is; files that others may be reading, on a disk that may be full |
+//! | `tell`, `limits` | words on stderr, which may be gone; open files and threads |
 //! | `batch` | many scenes, each in a folder of its own, not run again when there |
 
 pub mod batch;
+pub mod disk;
 pub mod file;
 pub mod folder;
 pub mod interrupt;
 pub mod launch;
+pub mod limits;
 pub mod progress;
 mod run;
+pub mod tell;
 pub mod verdict;
 pub mod version;
 pub mod vtu;

@@ -6,6 +6,8 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use protocol::message::Diagnostic;
 
+use crate::tell;
+
 /// Between two plain lines.
 const QUIET: Duration = Duration::from_secs(5);
 
@@ -42,7 +44,7 @@ impl Gauge {
             Some(bar) => bar.set_message(line.to_owned()),
             None if self.spoken.is_none_or(|spoken| spoken.elapsed() >= QUIET) => {
                 self.spoken = Some(Instant::now());
-                eprintln!("{line}");
+                tell!("{line}");
             }
             None => {}
         }
@@ -120,7 +122,7 @@ impl Progress {
             None if self.spoken.is_none_or(|spoken| spoken.elapsed() >= QUIET) => {
                 self.spoken = Some(Instant::now());
                 let elapsed = self.begun.elapsed().as_secs_f64();
-                eprintln!("{text} ({:.0} %), {elapsed:.1} s elapsed", 100.0 * share);
+                tell!("{text} ({:.0} %), {elapsed:.1} s elapsed", 100.0 * share);
             }
             None => {}
         }
@@ -130,8 +132,8 @@ impl Progress {
     pub fn say(&self, text: &str) {
         match &self.bar {
             _ if self.silent => {}
-            Some(bar) => bar.suspend(|| eprintln!("{text}")),
-            None => eprintln!("{text}"),
+            Some(bar) => bar.suspend(|| tell!("{text}")),
+            None => tell!("{text}"),
         }
     }
 

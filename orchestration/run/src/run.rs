@@ -8,18 +8,22 @@ use protocol::monitor::MonitorReceiver;
 use protocol::runspace::RunSpace;
 use scene::Scene;
 use scene::error::{Error, exit_code};
-use serde_json::Value;
+use serde_json::{Value, json};
 use time::OffsetDateTime;
 
+use crate::disk::{Disk, PATIENCE, Teller, Trouble};
+use crate::folder::claim;
 use crate::folder::document::{self, Ending};
 use crate::folder::draw::Pictures;
 use crate::folder::lock::Lock;
-use crate::folder::recorded;
+use crate::folder::previous::{NOT_STARTED, Previous};
 use crate::folder::run_folder::RunFolder;
 use crate::folder::writer::Writer;
 use crate::interrupt::Interrupts;
 use crate::launch::{self, Process};
-use crate::progress::Progress;
+use crate::limits::require_open_files;
+use crate::progress::{self, Progress};
+use crate::tell;
 use crate::verdict::Verdict;
 use crate::watch::Watch;
 
@@ -38,6 +42,7 @@ pub struct Outcome {
 struct Used {
     cpu: BTreeMap<String, f64>,
     memory_peak: BTreeMap<String, u64>,
+    phases: BTreeMap<&'static str, f64>,
 }
 
 /// What a run says on stderr.
@@ -72,59 +77,86 @@ impl Runner {
     /// Run a scene into this folder. Several may run at the same time, each in its own.
     pub fn run(&self, scene: &Scene, path: &Path) -> Result<Outcome, Error> {
         let begun = Instant::now();
+        claim::RUN.check(path)?;
+        claim::is_not_of_scene(path, &scene.folder)?;
+        require_open_files()?;
         // A folder that cannot be used is a wrong --out, found before anything is computed.
         let unusable = |error: Error| Error::Usage(error.to_string());
-        require_folder(path)?;
         let _lock = Lock::take(path).map_err(unusable)?;
-        clear_previous(path).map_err(unusable)?;
-        let folder = RunFolder::create(path, scene).map_err(unusable)?;
-        document::write(path, &document::document(scene, &folder, None))?;
-        if self.voice == Voice::Aloud {
-            eprintln!("{} → {}", scene.name, path.display());
-        }
+        let folder = prepare(path, scene).map_err(unusable)?;
+        self.say(&format!("{} → {}", scene.name, path.display()));
 
-        let writer = Writer::start(folder, (self.pictures)(scene, path));
+        let disk = Disk::new(PATIENCE);
+        let writer = Writer::start(folder, (self.pictures)(scene, path), disk.clone());
         let mut used = Used::default();
-        let verdict = self.follow(scene, path, &writer, &mut used);
-        let (folder, written) = writer.finish()?;
-        let verdict = match (verdict, written) {
-            (Ok(verdict), Ok(())) => verdict,
-            (
-                Ok(Verdict {
-                    code: exit_code::OK,
-                    ..
-                }),
-                Err(error),
-            ) => Verdict {
-                code: error.exit_code(),
-                why: Some(format!(
-                    "the run finished, but its folder is not complete: {error}"
-                )),
-            },
-            (Ok(verdict), Err(error)) => {
-                eprintln!("sillage: {error}");
-                verdict
-            }
-            // Could not be started: run.json says so as well.
-            (Err(error), _) => Verdict {
-                code: error.exit_code(),
-                why: Some(error.to_string()),
-            },
-        };
-        let Verdict { code, why } = verdict;
+        let mut verdict = self.follow(scene, path, &writer, &mut used);
+        let ended = Instant::now();
+        let (mut folder, written) = self.finish(writer)?;
+        used.phases.insert("end", ended.elapsed().as_secs_f64());
+        if let (Ok(verdict), Err(error)) = (&mut verdict, &written) {
+            incomplete(verdict, error, &folder);
+        }
+        // Could not be started: run.json says so as well.
+        let Verdict { code, why } = verdict.unwrap_or_else(|error| Verdict {
+            code: error.exit_code(),
+            why: Some(error.to_string()),
+        });
         let ending = Ending {
             code,
             why,
             wall: begun.elapsed().as_secs_f64(),
             cpu: used.cpu,
             memory_peak: used.memory_peak,
+            phases: used.phases,
         };
         let document = document::document(scene, &folder, Some(&ending));
-        document::write(path, &document)?;
+        let told = match disk.trouble() {
+            Trouble::GivenUp(..) => document::write(path, &document),
+            _ => disk.attempt(|| document::write(path, &document)),
+        };
+        match (told, ending.code) {
+            (Err(error), exit_code::OK) => return Err(error),
+            (Err(error), _) => tell!("sillage: {error}"),
+            (Ok(()), _) => {}
+        }
+        self.keep_previous(&mut folder)?;
         Ok(Outcome {
             folder: path.to_path_buf(),
             document,
             ending,
+        })
+    }
+
+    /// An earlier run that this one has not replaced comes back.
+    fn keep_previous(&self, folder: &mut RunFolder) -> Result<(), Error> {
+        let Some(previous) = folder.not_replaced() else {
+            return Ok(());
+        };
+        previous.restore()?;
+        self.say(&format!(
+            "the earlier run in {} is kept; what this one left is in {NOT_STARTED}/",
+            folder.path().display()
+        ));
+        Ok(())
+    }
+
+    fn say(&self, words: &str) {
+        if self.voice == Voice::Aloud {
+            tell!("{words}");
+        }
+    }
+
+    /// Wait until the folder is written; another interruption ends the wait.
+    fn finish(&self, writer: Writer) -> Result<(RunFolder, Result<(), Error>), Error> {
+        let (mut teller, before) = (Teller::default(), self.interrupts.so_far());
+        writer.finish(|disk| {
+            if let Some(words) = teller.look(&disk.trouble()) {
+                self.say(&words);
+            }
+            if self.interrupts.so_far() > before {
+                let why = "interrupted while the folder was written";
+                disk.abandon(exit_code::INTERRUPTED, why);
+            }
         })
     }
 
@@ -139,6 +171,7 @@ impl Runner {
         let runspace = RunSpace::create().map_err(transport)?;
         let monitor = MonitorReceiver::create(&runspace).map_err(transport)?;
         let processes = launch::launch(scene, path, &runspace)?;
+        let launched = Instant::now();
         let mut watch = Watch {
             runspace: &runspace,
             monitor,
@@ -149,8 +182,12 @@ impl Runner {
                 Voice::Aloud => Progress::new(scene.coupler.end_time),
                 Voice::Quiet => Progress::silent(scene.coupler.end_time),
             },
+            began: None,
         };
         let verdict = watch.follow();
+        let (start, steps) = watch.phases(launched);
+        used.phases.insert("start", start);
+        used.phases.insert("steps", steps);
         for Process {
             seat,
             cpu,
@@ -187,14 +224,14 @@ fn show_last_words(processes: &[Process]) {
         !process.signalled && !matches!(process.code(), Some(0 | exit_code::PARTNER_LOST))
     };
     for process in processes.iter().filter(failed) {
-        eprintln!(
+        tell!(
             "--- {} {}; {}",
             process.seat,
             process.ending(),
             process.log.display()
         );
         for line in process.last_words(5) {
-            eprintln!("    {line}");
+            tell!("    {line}");
         }
     }
 }
@@ -202,7 +239,13 @@ fn show_last_words(processes: &[Process]) {
 /// `runs/<scene>-<time>`, with a number when there is one already.
 pub fn fresh_folder(name: &str) -> Result<PathBuf, Error> {
     let runs = Path::new("runs");
-    std::fs::create_dir_all(runs).map_err(Error::file("cannot create", runs))?;
+    let unusable = |error: std::io::Error| {
+        Error::Usage(format!(
+            "cannot write in this folder ({}: {error}): name one with --out",
+            runs.display()
+        ))
+    };
+    std::fs::create_dir_all(runs).map_err(unusable)?;
     let stamp = timestamp(SystemTime::now());
     for attempt in 1.. {
         let suffix = if attempt == 1 {
@@ -214,52 +257,48 @@ pub fn fresh_folder(name: &str) -> Result<PathBuf, Error> {
         match std::fs::create_dir(&path) {
             Ok(()) => return Ok(path),
             Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
-            Err(error) => return Err(Error::file("cannot create", &path)(error)),
+            Err(error) => return Err(unusable(error)),
         }
     }
     unreachable!("the loop ends with a folder or an error")
 }
 
-fn require_folder(path: &Path) -> Result<(), Error> {
-    if path.exists() && !path.is_dir() {
-        return Err(Error::Usage(format!(
-            "--out {}: is not a folder",
-            path.display()
-        )));
+/// Set an earlier run aside and write what is known before the run; when that fails the earlier one is back.
+fn prepare(path: &Path, scene: &Scene) -> Result<RunFolder, Error> {
+    let previous = Previous::set_aside(path)?;
+    // First of all, so that a folder that is left half made is known as one of ours.
+    let mark = json!({ "versions": document::versions() });
+    let written = document::write(path, &mark).and_then(|()| {
+        let folder = RunFolder::create(path, scene)?;
+        document::write(path, &document::document(scene, &folder, None))?;
+        Ok(folder)
+    });
+    match (written, previous) {
+        (Ok(mut folder), previous) => {
+            folder.replaces(previous);
+            Ok(folder)
+        }
+        (Err(error), previous) => {
+            previous.map_or(Ok(()), Previous::restore)?;
+            Err(error)
+        }
     }
-    Ok(())
 }
 
-/// Remove what an earlier run left in this folder, and nothing else.
-fn clear_previous(path: &Path) -> Result<(), Error> {
-    if !path.join("run.json").exists() {
-        return Ok(());
-    }
-    let recording = recorded::in_folder(path).filter(|file| file.starts_with(path));
-    if let Some(file) = recording.filter(|file| file.exists()) {
-        std::fs::remove_file(&file).map_err(Error::file("cannot remove", &file))?;
-    }
-    for name in [
-        "run.json",
-        "steps.csv",
-        "fluid.pvd",
-        "grains.pvd",
-        "overview.png",
-        "report.html",
-        "grains.csv",
-    ] {
-        let file = path.join(name);
-        if file.exists() {
-            std::fs::remove_file(&file).map_err(Error::file("cannot remove", &file))?;
+/// What the folder lacks goes before how the run itself ended, unless that was worse.
+fn incomplete(verdict: &mut Verdict, error: &Error, folder: &RunFolder) {
+    let (steps, time) = (folder.summary().steps, folder.summary().time);
+    let time = progress::digits(time);
+    let why = format!("{error}; what is written is complete to step {steps}, t = {time} s");
+    match verdict.code {
+        exit_code::OK => {
+            *verdict = Verdict {
+                code: error.exit_code(),
+                why: Some(why),
+            }
         }
+        _ => tell!("sillage: {why}"),
     }
-    for name in ["vtu", "frames", "logs"] {
-        let folder = path.join(name);
-        if folder.exists() {
-            std::fs::remove_dir_all(&folder).map_err(Error::file("cannot remove", &folder))?;
-        }
-    }
-    Ok(())
 }
 
 /// 20261122-114500, UTC.

@@ -15,6 +15,7 @@ use protocol::monitor::MonitorReceiver;
 use protocol::runspace::RunSpace;
 use scene::error::exit_code;
 
+use crate::disk::{Teller, Trouble};
 use crate::folder::writer::Writer;
 use crate::interrupt::Interrupts;
 use crate::launch::{self, Process};
@@ -42,6 +43,8 @@ pub struct Watch<'a> {
     pub interrupts: Interrupts,
     /// Shows how far the run is.
     pub progress: Progress,
+    /// When the coupling began.
+    pub began: Option<Instant>,
 }
 
 impl Watch<'_> {
@@ -52,8 +55,10 @@ impl Watch<'_> {
             self.listen(&mut state);
             self.look_at_children(&mut state);
             self.heed_interrupts(&mut state);
+            self.heed_disk(&mut state);
             self.insist(&mut state);
         }
+        state.all_have_ended = true;
         // What was sent before the coupler ended is still in the queue.
         while state.connected && state.last_word.is_none() {
             let before = state.messages;
@@ -66,9 +71,18 @@ impl Watch<'_> {
         self.judge(&state)
     }
 
+    /// Seconds from then until the coupling began, and from there until nobody was left.
+    pub fn phases(&self, launched: Instant) -> (f64, f64) {
+        let seconds = |since: Instant| since.elapsed().as_secs_f64();
+        let whole = seconds(launched);
+        let steps = self.began.map_or(0.0, seconds);
+        (whole - steps, steps)
+    }
+
     /// Take one message over, or wait a tick for it.
     fn listen(&mut self, state: &mut State) {
-        if !state.connected {
+        // What the disk cannot take the run does not compute.
+        if !state.connected || !self.writer.has_room() && !state.all_have_ended {
             std::thread::sleep(TICK);
             return;
         }
@@ -77,7 +91,10 @@ impl Watch<'_> {
             Ok(Some(event)) => {
                 state.messages += 1;
                 match &event.message {
-                    ToOrchestrator::Started { .. } => state.started = true,
+                    ToOrchestrator::Started { .. } => {
+                        state.started = true;
+                        self.began = Some(Instant::now());
+                    }
                     ToOrchestrator::Step(values) => self.progress.step(values),
                     ToOrchestrator::Finished(_) => state.hear(LastWord::Finished),
                     ToOrchestrator::Stopped { code, why, .. } => {
@@ -135,6 +152,21 @@ impl Watch<'_> {
         }
     }
 
+    /// A disk that cannot be written to is told of; when it is given up, the run stops after its step.
+    fn heed_disk(&mut self, state: &mut State) {
+        let trouble = self.writer.trouble();
+        if let Some(words) = state.teller.look(&trouble) {
+            self.progress.say(&words);
+        }
+        if matches!(trouble, Trouble::GivenUp(..)) && !state.gave_up {
+            state.gave_up = true;
+            if !state.connected || self.monitor.stop().is_err() {
+                self.signal(Signal::SIGTERM);
+                state.begin_ending();
+            }
+        }
+    }
+
     /// Whoever stays behind is asked to leave, then made to.
     fn insist(&mut self, state: &mut State) {
         let Some(since) = state.ending_since else {
@@ -166,6 +198,13 @@ impl Watch<'_> {
                 why: Some(why),
             };
         }
+        if state.gave_up {
+            // Why is known to the writer.
+            return Verdict {
+                code: exit_code::OK,
+                why: None,
+            };
+        }
         let evidence = Evidence {
             processes: &self.processes,
             last_word: state.last_word.as_ref(),
@@ -186,6 +225,9 @@ struct State {
     asked_to_stop: bool,
     terminated: bool,
     killed: bool,
+    all_have_ended: bool,
+    teller: Teller,
+    gave_up: bool,
     ending_since: Option<Instant>,
 }
 
@@ -200,6 +242,9 @@ impl Default for State {
             asked_to_stop: false,
             terminated: false,
             killed: false,
+            all_have_ended: false,
+            teller: Teller::default(),
+            gave_up: false,
             ending_since: None,
         }
     }

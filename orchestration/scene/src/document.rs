@@ -123,23 +123,42 @@ impl Document {
             .ok_or_else(|| usage("the key is empty"))?;
         let mut node = &mut self.tree;
         for segment in parents {
-            node = child(node, segment).ok_or_else(|| usage("the key leads nowhere"))?;
+            let list = entries(node);
+            node = child(node, segment).ok_or_else(|| usage(&no_entry(key, segment, list)))?;
         }
         match node {
             Value::Table(table) => {
                 table.insert(last.clone(), value);
             }
             Value::Array(list) => {
+                let count = Some(list.len());
                 let slot = last
                     .parse::<usize>()
                     .ok()
                     .and_then(|index| list.get_mut(index));
-                *slot.ok_or_else(|| usage("there is no such entry in the list"))? = value;
+                *slot.ok_or_else(|| usage(&no_entry(key, last, count)))? = value;
             }
             _ => return Err(usage("the key leads into a value that is not a table")),
         }
         self.settings.push(display(&path));
         Ok(())
+    }
+}
+
+/// Entries of a list; none of what is no list.
+fn entries(node: &Value) -> Option<usize> {
+    node.as_array().map(Vec::len)
+}
+
+/// Why a key stops at this part of it, where it may be a list of so many entries.
+fn no_entry(key: &str, part: &str, entries: Option<usize>) -> String {
+    let Some(count) = entries else {
+        return "the key leads nowhere".to_owned();
+    };
+    let name = key.split(['.', '[']).next().unwrap_or(key);
+    match part.parse::<usize>() {
+        Ok(_) => format!("there is no such entry in the list {name}, which has {count}"),
+        Err(_) => format!("{name} is a list: name an entry, as in {name}[0].{part}"),
     }
 }
 

@@ -6,6 +6,7 @@ use protocol::field::Field;
 use protocol::message::{Diagnostic, ToOrchestrator};
 use protocol::monitor::Event;
 use protocol::scene::MeshSource;
+use run::disk::{Disk, PATIENCE};
 use run::folder::document::{self, Ending};
 use run::folder::run_folder::RunFolder;
 use run::folder::writer::Writer;
@@ -105,6 +106,7 @@ fn write(scene: &Scene, folder: &Path, last: u64) -> RunFolder {
     let writer = Writer::start(
         RunFolder::create(folder, scene).expect("a folder"),
         pictures(scene, folder),
+        Disk::new(PATIENCE),
     );
     let mut fields = mesh.clone();
     if !scene.grains.is_empty() {
@@ -137,7 +139,7 @@ fn write(scene: &Scene, folder: &Path, last: u64) -> RunFolder {
         }
         writer.take(snapshot(scene, &mesh, number, last));
     }
-    let (folder, outcome) = writer.finish().expect("joined");
+    let (folder, outcome) = writer.finish(|_| {}).expect("joined");
     outcome.unwrap_or_else(|error| panic!("{error}"));
     folder
 }
@@ -165,6 +167,7 @@ fn a_run_folder_holds_everything_that_is_promised() {
         wall: 1.5,
         cpu: Default::default(),
         memory_peak: Default::default(),
+        phases: Default::default(),
     };
     document::write(&path, &document::document(&scene, &folder, Some(&ending))).expect("written");
     for file in [

@@ -35,7 +35,7 @@ fn main() {
 
 /// An error on stderr, and as JSON on stdout when asked for.
 fn tell(error: &Error, wants_json: bool) {
-    eprintln!("sillage: {error}");
+    run::tell!("sillage: {error}");
     if wants_json {
         let mut document =
             json!({ "ok": false, "code": error.exit_code(), "error": error.to_string() });

@@ -46,8 +46,8 @@ fn a_program_with_a_folder_is_found_from_the_scene() {
     assert_eq!(code, Some(0));
     let (code, words) = run(folder.path(), "./engine");
     println!("{words}");
-    assert_eq!(code, Some(4));
-    assert!(words.contains("could not be started (./engine)"), "{words}");
+    assert_eq!(code, Some(2));
+    assert!(words.contains("./engine is no program"), "{words}");
 }
 
 #[test]

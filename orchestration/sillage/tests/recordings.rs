@@ -148,6 +148,9 @@ fn a_full_disk_ends_the_recording_and_not_the_run_and_both_are_told() {
     let folder = tempfile::tempdir().expect("a folder");
     let link = folder.path().join("exchange.mcap");
     std::os::unix::fs::symlink("/dev/full", &link).expect("a link");
+    // A folder of ours: of a run that was killed at its start.
+    let mark = "{ \"versions\": { \"sillage\": \"0\" } }";
+    std::fs::write(folder.path().join("run.json"), mark).expect("written");
     let arguments = small_cloud(0.055);
     let mut words: Vec<&str> = vec!["run"];
     words.extend(arguments.iter().map(String::as_str));

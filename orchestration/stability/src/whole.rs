@@ -12,6 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use protocol::scene::Geometry;
 use run::batch::{self, Clock};
+use run::folder::claim::Claim;
 use run::progress::Gauge;
 use run::{Runner, Voice};
 use scene::document::Document;
@@ -26,6 +27,13 @@ use crate::results::{self, Cell, MapResult};
 use crate::scenes::Case;
 use crate::schemes::{DEFAULT, SCHEMES};
 use crate::verdict::{self, Finding};
+
+/// The folder of the maps.
+const STABILITY: Claim = Claim {
+    what: "maps",
+    mark: "stability.json",
+    parts: &["cells"],
+};
 
 /// One scheme at one point of a map.
 #[derive(Debug, Clone, Copy)]
@@ -58,6 +66,7 @@ pub fn stability(
     folder: &Path,
     workers: usize,
 ) -> Result<Outcome, Error> {
+    STABILITY.check(folder)?;
     std::fs::create_dir_all(folder)
         .map_err(|error| Error::Usage(format!("cannot create {}: {error}", folder.display())))?;
     let jobs = jobs(maps, quick);

@@ -62,6 +62,9 @@ pub fn finer(study: &StudyFile, settings: &[String]) -> Vec<Point> {
 impl Point {
     /// Name of its folder.
     pub fn folder(&self) -> String {
-        batch::folder_name(&self.names.join("_"))
+        let parts = self.names.iter().map(|name| batch::folder_name(name));
+        // What stands between two names stands in none.
+        let parts: Vec<String> = parts.map(|part| part.replace('_', "%5f%")).collect();
+        parts.join("_")
     }
 }

@@ -56,6 +56,9 @@ impl Program {
         let waiting = |error| Error::file("cannot wait for", &self.path)(error);
         while child.try_wait().map_err(waiting)?.is_none() {
             memory = launch::memory_peak(child.id()).unwrap_or(memory);
+            if interrupts.so_far() > 0 {
+                child.kill().map_err(waiting)?;
+            }
             std::thread::sleep(TICK);
         }
         let output = child.wait_with_output().map_err(waiting)?;

@@ -12,7 +12,8 @@ use serde_json::Value;
 
 use run::batch::{self, Clock, Done};
 use run::file;
-use run::{Runner, Voice};
+use run::folder::claim::Claim;
+use run::{Runner, Voice, launch};
 use scene::Scene;
 use scene::error::{Error, exit_code};
 use show::picture::pictures;
@@ -22,6 +23,13 @@ use crate::points::{self, Point};
 use crate::program::Program;
 use crate::results::{self, Cost, Row, Sample};
 use crate::{analysis, measure, page, plot};
+
+/// The folder of a study.
+const STUDY: Claim = Claim {
+    what: "study",
+    mark: "study.json",
+    parts: &["points"],
+};
 
 /// A study that was run, perhaps in part.
 pub struct Outcome {
@@ -102,6 +110,7 @@ pub fn study(path: &Path, out: Option<&Path>, threads: usize) -> Result<Outcome,
         || Path::new("runs").join(format!("study-{name}")),
         Path::to_path_buf,
     );
+    STUDY.check(&folder)?;
     std::fs::create_dir_all(&folder)
         .map_err(|error| Error::Usage(format!("cannot create {}: {error}", folder.display())))?;
     let given = study
@@ -146,7 +155,7 @@ pub fn study(path: &Path, out: Option<&Path>, threads: usize) -> Result<Outcome,
                 }
                 None => {
                     let what = format!("{}, repeat {repeat}", point.names.join(", "));
-                    eprintln!("{}: {what}", clock.line());
+                    run::tell!("{}: {what}", clock.line());
                     let done = match &jobs[index] {
                         Job::Scene(scene) => batch::one(scene, &place, &mark, &runner)?,
                         Job::Program(program) => program.run(&place, &runner.interrupts)?,
@@ -184,6 +193,7 @@ impl Job {
         }
         let path = base.join(study.scene.as_deref().unwrap_or(Path::new("")));
         let scene = scene::load(&path, &point.settings, threads)?;
+        launch::require_programs(&scene)?;
         Ok(Job::Scene(Box::new(scene)))
     }
 
@@ -223,7 +233,7 @@ fn finish(
     for (also, unknown) in study.also.iter().zip(results::unknown(study, rows)) {
         if let Some((points, why)) = unknown {
             let name = &also.measure.name;
-            eprintln!("sillage: warning: {name}: not known of {points} points: {why}");
+            run::tell!("sillage: warning: {name}: not known of {points} points: {why}");
         }
     }
     Ok(Outcome {

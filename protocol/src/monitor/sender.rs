@@ -13,10 +13,9 @@ use crate::transport::channel::{Channel, Wait};
 use crate::transport::ends::monitor_sender_end;
 use crate::transport::exchange::{Counts, Moment};
 
-/// How long the coupler waits for the orchestrator to take a snapshot over.
+/// How long the coupler waits for the orchestrator to take a snapshot or the last message over, which may
+/// itself wait for a disk that is full.
 const TAKE_OVER: Duration = Duration::from_secs(120);
-/// How long the coupler waits for the last message to be read.
-const GOODBYE: Duration = Duration::from_secs(10);
 /// How long connecting may take.
 const CONNECT: Duration = Duration::from_secs(30);
 
@@ -162,7 +161,7 @@ impl MonitorSender {
         self.wait_for_answer("the last snapshot to be taken over", TAKE_OVER)?;
         self.send(message)?;
         self.unanswered = true;
-        self.wait_for_answer("the last message to be read", GOODBYE)
+        self.wait_for_answer("the last message to be read", TAKE_OVER)
     }
 
     fn wait_for_answer(&mut self, awaited: &str, limit: Duration) -> Result<(), Error> {

@@ -96,7 +96,8 @@ pub(crate) fn monitor_sender_end() -> End {
         sends: &Field::ALL,
         receives: &[],
         queue: MONITOR_QUEUE,
-        patience: Duration::from_secs(60),
+        // Longer than the orchestrator waits for a full disk.
+        patience: Duration::from_secs(120),
         // A loss must still be reported, and read.
         heeds_others: false,
     }

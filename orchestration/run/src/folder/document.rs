@@ -27,6 +27,9 @@ pub struct Ending {
     pub cpu: BTreeMap<String, f64>,
     /// Largest resident memory of each process \[bytes\].
     pub memory_peak: BTreeMap<String, u64>,
+    /// Wall time of "start" (processes, until the coupling begins), "steps", and "end" (what is still written
+    /// after it) \[s\].
+    pub phases: BTreeMap<&'static str, f64>,
 }
 
 /// Versions that matter for a result.
@@ -73,13 +76,14 @@ pub fn document(scene: &Scene, folder: &RunFolder, ending: Option<&Ending>) -> V
     })
 }
 
-/// Seconds by phase; what the coupler's steps do not take is start, end and waiting for disks.
+/// Seconds by phase: of the run as a whole, and of its steps by what was computed.
 fn cost(summary: &Summary, ending: Option<&Ending>) -> Value {
     let mut cost = json!(summary.sums);
     if let Some(ending) = ending {
         cost["wall_total"] = json!(ending.wall);
         cost["cpu_process"] = json!(ending.cpu);
         cost["memory_peak"] = json!(ending.memory_peak);
+        cost["wall_phases"] = json!(ending.phases);
     }
     cost
 }

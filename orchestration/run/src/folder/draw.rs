@@ -5,13 +5,15 @@ use std::path::Path;
 use protocol::monitor::Event;
 use scene::{Error, Scene};
 
+use crate::disk::Disk;
+
 /// Sees every message of the coupler, on the thread that writes the folder.
 pub trait Draw: Send {
     /// Draw what there is to draw of a message.
-    fn take(&mut self, event: &Event) -> Result<(), Error>;
+    fn take(&mut self, event: &Event, disk: &Disk) -> Result<(), Error>;
 
     /// The run is over.
-    fn finish(&mut self) -> Result<(), Error>;
+    fn finish(&mut self, disk: &Disk) -> Result<(), Error>;
 }
 
 /// What draws a scene into its run folder.

@@ -10,6 +10,7 @@
 //! | `exchange.mcap` | all that the processes exchanged, when it is recorded |
 //! | `logs/` | what the processes said |
 //! | `.lock` | held by the run that writes here |
+//! | `.previous/`, `not-started/` | an earlier run until this one has started; what one left that did not |
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +19,9 @@ use protocol::message::{Diagnostic, Hello, ToOrchestrator};
 use protocol::monitor::Event;
 use scene::{Error, Scene, plan};
 
+use super::previous::Previous;
 use super::steps::{Steps, Summary};
+use crate::disk::Disk;
 use crate::file;
 use crate::vtu::mesh::Mesh;
 use crate::vtu::write::{self, Series};
@@ -35,6 +38,7 @@ pub struct RunFolder {
     mesh: Option<Mesh>,
     grain_radius: Vec<f64>,
     snapshots: usize,
+    previous: Option<Previous>,
     /// Who took part.
     pub engines: Vec<Hello>,
     /// Totals the coupler sent at the end.
@@ -63,6 +67,7 @@ impl RunFolder {
             mesh: None,
             grain_radius: Vec::new(),
             snapshots: 0,
+            previous: None,
             engines: Vec::new(),
             totals: Vec::new(),
             recording_ended: None,
@@ -79,8 +84,18 @@ impl RunFolder {
         &self.steps.summary
     }
 
+    /// An earlier run in the same folder goes as soon as this one has started.
+    pub fn replaces(&mut self, previous: Option<Previous>) {
+        self.previous = previous;
+    }
+
+    /// The earlier run, when this one has not started.
+    pub fn not_replaced(&mut self) -> Option<Previous> {
+        self.previous.take()
+    }
+
     /// Take over one message of the coupler.
-    pub fn take(&mut self, event: &Event) -> Result<(), Error> {
+    pub fn take(&mut self, event: &Event, disk: &Disk) -> Result<(), Error> {
         match &event.message {
             ToOrchestrator::Started { engines, .. } => {
                 self.engines = engines.clone();
@@ -88,10 +103,10 @@ impl RunFolder {
                 self.grain_radius = radius.unwrap_or_default().to_vec();
                 self.mesh = Mesh::from_fields(self.dimension, &event.fields);
                 self.started = true;
-                Ok(())
+                self.previous.take().map_or(Ok(()), Previous::discard)
             }
-            ToOrchestrator::Step(values) => self.steps.add(values),
-            ToOrchestrator::Snapshot { time, .. } => self.snapshot(*time, &event.fields),
+            ToOrchestrator::Step(values) => self.steps.add(values, disk),
+            ToOrchestrator::Snapshot { time, .. } => self.snapshot(*time, &event.fields, disk),
             ToOrchestrator::Finished(totals) | ToOrchestrator::Stopped { totals, .. } => {
                 self.totals = totals.clone();
                 Ok(())
@@ -103,7 +118,12 @@ impl RunFolder {
         }
     }
 
-    fn snapshot(&mut self, time: f64, fields: &[(Field, Vec<f64>)]) -> Result<(), Error> {
+    fn snapshot(
+        &mut self,
+        time: f64,
+        fields: &[(Field, Vec<f64>)],
+        disk: &Disk,
+    ) -> Result<(), Error> {
         if !self.started {
             return Ok(());
         }
@@ -123,7 +143,7 @@ impl RunFolder {
         if let Some(mesh) = &self.mesh {
             let content = write::fluid(mesh, &of(Support::Node));
             self.fluid_series
-                .add(time, &format!("vtu/fluid_{number:04}.vtu"), &content)?;
+                .add(time, &format!("vtu/fluid_{number:04}.vtu"), &content, disk)?;
         }
         if let Some(position) = values(fields, Field::GrainPosition) {
             let mut columns: Vec<(Field, &[f64])> = vec![(Field::GrainRadius, &self.grain_radius)];
@@ -134,7 +154,7 @@ impl RunFolder {
             );
             let content = write::grains(self.dimension, position, &columns);
             self.grain_series
-                .add(time, &format!("vtu/grains_{number:04}.vtu"), &content)?;
+                .add(time, &format!("vtu/grains_{number:04}.vtu"), &content, disk)?;
         }
         Ok(())
     }

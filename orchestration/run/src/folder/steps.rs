@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::os::unix::fs::FileExt;
 use std::path::PathBuf;
 
 use protocol::message::Diagnostic;
@@ -10,10 +10,14 @@ use protocol::monitor::columns;
 use scene::Error;
 use serde::Serialize;
 
+use crate::disk::Disk;
+
 /// The table of the steps.
 pub struct Steps {
     path: PathBuf,
-    file: BufWriter<File>,
+    file: File,
+    /// Bytes of whole rows.
+    length: u64,
     columns: Vec<String>,
     /// Sums and extremes so far.
     pub summary: Summary,
@@ -67,7 +71,8 @@ impl Steps {
         let file = File::create(&path).map_err(Error::file("cannot write", &path))?;
         Ok(Steps {
             path,
-            file: BufWriter::new(file),
+            file,
+            length: 0,
             columns: Vec::new(),
             summary: Summary::default(),
         })
@@ -75,8 +80,7 @@ impl Steps {
 
     /// Add a row. A step that lacks a column leaves it empty; one that the first step lacked is
     /// only summed up.
-    pub fn add(&mut self, values: &[Diagnostic]) -> Result<(), Error> {
-        self.summary.add(values);
+    pub fn add(&mut self, values: &[Diagnostic], disk: &Disk) -> Result<(), Error> {
         let mut text = String::new();
         if self.columns.is_empty() {
             self.columns = values.iter().map(|value| value.name.clone()).collect();
@@ -91,11 +95,18 @@ impl Steps {
             })
             .collect();
         text += &(row.join(",") + "\n");
-        // Flushed each time: whoever looks at a running computation sees whole rows.
-        self.file
-            .write_all(text.as_bytes())
-            .and_then(|()| self.file.flush())
-            .map_err(Error::file("cannot write", &self.path))
+        // In one piece: whoever looks at a running computation sees whole rows.
+        disk.attempt(|| {
+            let written = self.file.write_all_at(text.as_bytes(), self.length);
+            written.map_err(|error| {
+                // Half a row must not stay.
+                let _ = self.file.set_len(self.length);
+                Error::file("cannot write", &self.path)(error)
+            })
+        })?;
+        self.length += text.len() as u64;
+        self.summary.add(values);
+        Ok(())
     }
 }
 

@@ -10,7 +10,7 @@ use protocol::field::{Field, Rank};
 use scene::Error;
 
 use super::mesh::Mesh;
-use crate::file;
+use crate::disk::Disk;
 
 /// Kind of a cell, by VTK's numbers.
 const VERTEX: u8 = 1;
@@ -182,9 +182,9 @@ impl Series {
     }
 
     /// Write a state and list it; `name` is relative to the folder of the list.
-    pub fn add(&mut self, time: f64, name: &str, content: &str) -> Result<(), Error> {
+    pub fn add(&mut self, time: f64, name: &str, content: &str, disk: &Disk) -> Result<(), Error> {
         let folder = self.path.parent().unwrap_or(Path::new("."));
-        file::write(&folder.join(name), content)?;
+        disk.write(&folder.join(name), content)?;
         self.entries.push((time, name.to_string()));
         let mut xml = String::from(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
@@ -196,7 +196,7 @@ impl Series {
             );
         }
         xml += "</Collection>\n</VTKFile>\n";
-        file::write(&self.path, &xml)
+        disk.write(&self.path, &xml)
     }
 }
 

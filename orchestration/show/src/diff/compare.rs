@@ -103,7 +103,7 @@ fn exchange(first: &Path, second: &Path, tolerance: f64) -> Result<Exchange, Err
     let differences = diff::diff(&mut one, &mut other)?;
     for reader in [&one, &other] {
         if let Some(warning) = reader.ending().warning() {
-            eprintln!("sillage: warning: {}: {warning}", reader.path().display());
+            run::tell!("sillage: warning: {}: {warning}", reader.path().display());
         }
     }
     let fields: serde_json::Map<String, Value> = differences

@@ -169,6 +169,11 @@ impl Canvas {
 
     /// Write the picture as PNG.
     pub fn save(&self, path: &Path) -> Result<(), Error> {
+        file::write(path, self.png(path)?)
+    }
+
+    /// The picture as PNG, as it goes to this path.
+    pub fn png(&self, path: &Path) -> Result<Vec<u8>, Error> {
         let draw = |why: png::EncodingError| Error::Picture {
             path: path.into(),
             why: why.to_string(),
@@ -180,7 +185,7 @@ impl Canvas {
         let mut writer = encoder.write_header().map_err(draw)?;
         writer.write_image_data(&self.pixels).map_err(draw)?;
         writer.finish().map_err(draw)?;
-        file::write(path, bytes)
+        Ok(bytes)
     }
 }
 

@@ -6,6 +6,7 @@ use protocol::field::Field;
 use protocol::message::ToOrchestrator;
 use protocol::monitor::Event;
 use protocol::scene::{Wall, fixed};
+use run::disk::Disk;
 use run::folder::draw::Draw;
 use run::vtu::mesh::Mesh;
 use scene::{Error, Scene};
@@ -58,26 +59,29 @@ struct Drawing {
 }
 
 impl Draw for Drawing {
-    fn take(&mut self, event: &Event) -> Result<(), Error> {
+    fn take(&mut self, event: &Event, disk: &Disk) -> Result<(), Error> {
         if !self.wanted {
             return Ok(());
         }
         match &event.message {
             ToOrchestrator::Started { .. } => self.set_stage(&event.fields),
             ToOrchestrator::Snapshot { time, .. } => {
-                return self.frame(state(*time, &event.fields));
+                return self.frame(state(*time, &event.fields), disk);
             }
             _ => {}
         }
         Ok(())
     }
 
-    fn finish(&mut self) -> Result<(), Error> {
+    fn finish(&mut self, disk: &Disk) -> Result<(), Error> {
         let Some(stage) = &self.stage else {
             return Ok(());
         };
         match overview(stage, &self.album.states()) {
-            Some(picture) => picture.save(&self.folder.join("overview.png")),
+            Some(picture) => {
+                let path = self.folder.join("overview.png");
+                disk.write(&path, picture.png(&path)?)
+            }
             None => Ok(()),
         }
     }
@@ -94,7 +98,7 @@ impl Drawing {
         ));
     }
 
-    fn frame(&mut self, state: State) -> Result<(), Error> {
+    fn frame(&mut self, state: State, disk: &Disk) -> Result<(), Error> {
         let Some(stage) = &mut self.stage else {
             return Ok(());
         };
@@ -103,7 +107,8 @@ impl Drawing {
         self.speed_max = self.speed_max.max(round_up(state.speed_max()));
         let picture = frame(stage, &state, self.speed_max);
         let number = self.frames;
-        picture.save(&self.folder.join(format!("frames/{number:04}.png")))?;
+        let path = self.folder.join(format!("frames/{number:04}.png"));
+        disk.write(&path, picture.png(&path)?)?;
         self.frames += 1;
         self.album.add(state);
         Ok(())

@@ -7,3 +7,4 @@ pub mod pages;
 pub mod recordings;
 pub mod scenes;
 mod seat;
+mod threads;

@@ -27,7 +27,7 @@ pub struct StudyArgs {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Threads each engine may use (default: 1, so that times can be compared)
-    #[arg(long, value_name = "N", default_value = "1")]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = super::threads::parse)]
     pub threads: std::num::NonZeroUsize,
     /// One JSON document on stdout
     #[arg(long)]

@@ -13,7 +13,7 @@ pub struct SceneArgs {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<String>,
     /// Threads each engine may use (default: all cores); the built-in particle engine uses one
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = super::threads::parse)]
     pub threads: Option<std::num::NonZeroUsize>,
 }
 

@@ -2,18 +2,16 @@
 
 use std::fmt;
 
-use nix::sys::resource::{Resource, getrlimit};
 use nix::sys::statvfs::statvfs;
 use protocol::runspace::RunSpace;
 use run::folder::machine::{Machine, machine};
+use run::limits::{OPEN_FILES_MIN, open_files};
 use run::{launch, version};
 use scene::Error;
 use serde::Serialize;
 
 /// Shared memory below which even small runs fail \[bytes\].
 const SHARED_MEMORY_MIN: u64 = 64 << 20;
-/// Open files a process of a run may need.
-const OPEN_FILES_MIN: u64 = 256;
 
 /// What was found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -70,7 +68,7 @@ pub fn examine(clean: bool) -> Result<Findings, Error> {
     let memory = statvfs("/dev/shm")
         .map_err(os)
         .map_err(Error::file("cannot examine", "/dev/shm"))?;
-    let open_files = getrlimit(Resource::RLIMIT_NOFILE).map_or(0, |(soft, _)| soft);
+    let open_files = open_files();
     let mut findings = Findings {
         machine: machine(),
         shared_memory: memory.blocks() as u64 * memory.fragment_size() as u64,

@@ -47,7 +47,7 @@ pub fn replay(args: &ReplayArgs) -> Result<i32, Error> {
         say!("{}", replay::text(&report, args.tolerance))?;
     }
     if let Some(warning) = warning {
-        eprintln!("sillage: warning: {}: {warning}", path.display());
+        run::tell!("sillage: warning: {}: {warning}", path.display());
     }
     Ok(verdict(within))
 }

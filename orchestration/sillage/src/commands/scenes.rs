@@ -2,17 +2,26 @@
 
 use std::path::Path;
 
-use run::{Runner, Voice, fresh_folder};
+use run::folder::claim::{Claim, is_not_of_scene};
+use run::{Runner, Voice, fresh_folder, launch, tell};
 use scene::document::Document;
 use scene::error::exit_code;
 use scene::mesh_survey::MeshSurvey;
-use scene::{Error, plan};
+use scene::problem::Problems;
+use scene::{Error, Scene, plan};
 use serde_json::json;
 use show::picture::pictures;
 
 use super::examine;
 use crate::cli::scenes::{CheckArgs, DoctorArgs, PlanArgs, RunArgs};
 use crate::say;
+
+/// What a plan writes.
+const PLAN: Claim = Claim {
+    what: "plan",
+    mark: "scene.json",
+    parts: &[],
+};
 
 /// Validate a scene, or print the schema of all.
 pub fn check(args: &CheckArgs) -> Result<i32, Error> {
@@ -27,9 +36,9 @@ pub fn check(args: &CheckArgs) -> Result<i32, Error> {
     if let (Some(survey), false) = (&survey, args.json) {
         say!("{survey}")?;
     }
-    let scene = scene::load(path, &args.settings, 1)?;
+    let scene = runnable(path, &args.settings, 1)?;
     for warning in &scene.warnings {
-        eprintln!("{}: warning: {warning}", path.display());
+        tell!("{}: warning: {warning}", path.display());
     }
     let grains = scene.grains.len();
     if args.json {
@@ -50,9 +59,24 @@ fn survey(path: &Path, settings: &[String]) -> Result<Option<MeshSurvey>, Error>
     let document = Document::load(path, settings)?;
     let survey = MeshSurvey::of(&scene::read::read(&document)?, &document.folder())?;
     if survey.is_none() {
-        eprintln!("{}: the scene has no mesh file", path.display());
+        tell!("{}: the scene has no mesh file", path.display());
     }
     Ok(survey)
+}
+
+/// A scene whose engines are there; one that is not is a problem of its key.
+fn runnable(path: &Path, settings: &[String], threads: usize) -> Result<Scene, Error> {
+    let scene = scene::load(path, settings, threads)?;
+    let missing = launch::missing_programs(&scene);
+    if missing.is_empty() {
+        return Ok(scene);
+    }
+    let document = Document::load(path, settings)?;
+    let problem =
+        |(seat, why): (&str, String)| document.problem(&format!("engines.{seat}.command"), why);
+    Err(Error::Scene(Problems(
+        missing.into_iter().map(problem).collect(),
+    )))
 }
 
 /// Print what a scene needs.
@@ -61,6 +85,8 @@ pub fn plan(args: &PlanArgs) -> Result<i32, Error> {
     let scene = scene::load(&given.scene, &given.settings, given.threads())?;
     let plan = plan::plan(&scene);
     if let Some(folder) = &args.out {
+        PLAN.check(folder)?;
+        is_not_of_scene(folder, &scene.folder)?;
         plan::write_inputs(&scene, folder)?;
     }
     match args.json {
@@ -73,9 +99,9 @@ pub fn plan(args: &PlanArgs) -> Result<i32, Error> {
 /// Run a scene; why it ended early is said here, since its document is on stdout already.
 pub fn run(args: &RunArgs) -> Result<i32, Error> {
     let given = &args.scene;
-    let mut scene = scene::load(&given.scene, &given.settings, given.threads())?;
+    let mut scene = runnable(&given.scene, &given.settings, given.threads())?;
     for warning in &scene.warnings {
-        eprintln!("{}: warning: {warning}", given.scene.display());
+        tell!("{}: warning: {warning}", given.scene.display());
     }
     if let Some(file) = &args.record {
         scene.record_into(file)?;
@@ -86,16 +112,21 @@ pub fn run(args: &RunArgs) -> Result<i32, Error> {
     };
     let outcome = Runner::new(Voice::Aloud, pictures)?.run(&scene, &path)?;
     let (ending, folder) = (&outcome.ending, outcome.folder.display());
-    if args.json {
-        say!("{:#}", outcome.document)?;
-    } else {
-        let steps = &outcome.document["steps"];
-        say!("{folder}: {steps} steps in {:.1} s", ending.wall)?;
-    }
+    let said = match args.json {
+        true => say!("{:#}", outcome.document),
+        false => {
+            let steps = &outcome.document["steps"];
+            say!("{folder}: {steps} steps in {:.1} s", ending.wall)
+        }
+    };
     if let Some(why) = &ending.why {
-        eprintln!("sillage: {why}");
+        tell!("sillage: {why}");
     }
-    Ok(ending.code)
+    // How the run ended counts more than a stdout that is full as well.
+    match ending.code {
+        exit_code::OK => said.map(|()| exit_code::OK),
+        code => Ok(code),
+    }
 }
 
 /// Look at the machine.

@@ -88,6 +88,6 @@ fn ending(interrupted: bool, failure: impl FnOnce() -> Option<(i32, String)>) ->
     let Some((code, why)) = early else {
         return exit_code::OK;
     };
-    eprintln!("sillage: {why}");
+    run::tell!("sillage: {why}");
     code
 }
