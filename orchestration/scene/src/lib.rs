@@ -4,7 +4,8 @@
 //! Read in four steps: text (`document`), keys (`keys`, `read`), ranges (`check`), and resolution
 //! of what is relative or left out (`boundaries`, `walls`, `outline`, `grains`, `resolve`). Problems carry file,
 //! line, key and what is allowed; all range problems of a scene are reported at once. `plan` tells
-//! which processes, terms and fields the scene needs; `memory` bounds what is asked for.
+//! which processes, terms and fields the scene needs; `memory` bounds what is asked for,
+//! `times` that steps and states go together.
 
 pub mod boundaries;
 pub mod check;
@@ -25,6 +26,7 @@ pub mod record;
 pub mod resolve;
 mod scene;
 mod sides;
+mod times;
 pub mod walls;
 
 pub use error::Error;
