@@ -77,6 +77,12 @@ impl Listener {
         simulation.fetch_contacts()?;
         let state = &simulation.state;
         let contact = contact_numbers(&state.grains.contact);
+        let fixed: Vec<f64> = state
+            .grains
+            .fixed
+            .iter()
+            .map(|&fixed| fixed.into())
+            .collect();
         let mut fields: Vec<(Field, &[f64])> = Vec::new();
         let (fluid, particles) = simulation.system.seats_mut();
         if let Some(seat) = fluid {
@@ -90,6 +96,8 @@ impl Listener {
             fields.push((Field::GrainPosition, flat::numbers(&grains.position)));
             fields.push((Field::GrainVelocity, flat::numbers(&grains.velocity)));
             fields.push((Field::GrainContact, &contact));
+            fields.push((Field::GrainMass, &grains.mass));
+            fields.push((Field::GrainFixed, &fixed));
         }
         Ok(sender.snapshot(state.step, state.time, &fields)?)
     }

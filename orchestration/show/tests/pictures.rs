@@ -235,7 +235,7 @@ fn paraview_files_hold_the_numbers_that_were_sent() {
     let (_kept, path) = place("numbers");
     write(&scene, &path, 1);
     let xml = std::fs::read_to_string(path.join("vtu/grains_0001.vtu")).expect("a file");
-    let name = "Name=\"grain_radius\"";
+    let name = "Name=\"grain_radius [m]\"";
     let start = xml.find(name).expect("the radius");
     let encoded = xml[start..].lines().nth(1).expect("the values");
     use base64::Engine;
@@ -244,6 +244,8 @@ fn paraview_files_hold_the_numbers_that_were_sent() {
         .expect("base64");
     assert_eq!(bytes[..8], 8u64.to_le_bytes());
     assert_eq!(bytes[8..16], scene.grains.radius[0].to_le_bytes());
+    let time = run::vtu::read::State::from_text(xml).numbers("TimeValue");
+    assert_eq!(time.expect("read").map(|time| time.len()), Some(1));
     let pvd = std::fs::read_to_string(path.join("fluid.pvd")).expect("a list");
     println!("{pvd}");
     assert_eq!(pvd.matches("<DataSet").count(), 2);

@@ -120,7 +120,7 @@ fn a_state_that_is_cut_off_is_refused_by_name() {
     tiny_run(&path);
     let state = path.join("vtu/fluid_0002.vtu");
     let text = std::fs::read_to_string(&state).expect("a state");
-    let place = text.find("Name=\"pressure\"").expect("the pressure");
+    let place = text.find("Name=\"pressure [Pa]\"").expect("the pressure");
     let line = place + text[place..].find('\n').expect("its values") + 1;
     std::fs::write(&state, &text[..line + 400]).expect("written");
     let (code, _, words) = sillage(&["report", &path.to_string_lossy()]);

@@ -289,10 +289,16 @@ impl Field {
 
     /// The SI unit in a space of this dimension; for grains that of balls.
     pub fn unit(self, dimension: usize) -> &'static str {
+        self.unit_among(dimension, false)
+    }
+
+    /// The same where grains may be disks.
+    pub fn unit_among(self, dimension: usize, disks: bool) -> &'static str {
         match self.spec().unit {
             Unit::Of(unit) => unit,
             Unit::Measure if dimension == 2 => "m²",
             Unit::Measure => "m³",
+            Unit::Grain { disk, .. } if disks => disk,
             Unit::Grain { ball, .. } => ball,
         }
     }

@@ -6,7 +6,7 @@
 use crate::language::field::Field;
 
 /// Fields of a state in the files for ParaView, where the scene has nodes or grains.
-pub const WRITTEN: [Field; 7] = [
+pub const WRITTEN: [Field; 9] = [
     Field::InterstitialVelocity,
     Field::Pressure,
     Field::Porosity,
@@ -14,6 +14,8 @@ pub const WRITTEN: [Field; 7] = [
     Field::GrainVelocity,
     Field::GrainContact,
     Field::GrainRadius,
+    Field::GrainMass,
+    Field::GrainFixed,
 ];
 
 /// Number of the step.
@@ -65,4 +67,28 @@ pub fn is_cost(name: &str) -> bool {
 /// Is it a whole number?
 pub fn is_count(name: &str) -> bool {
     [STEP, PASSES, SUB_STEPS, CONTACTS, CONVECTION].contains(&name) || COUNTERS.contains(&name)
+}
+
+/// The unit of a column, in a plane of disks per metre of depth or of balls in a slab; "–" for a number
+/// without one, none for a column that is not ours.
+pub fn unit(name: &str, disks: bool) -> Option<&'static str> {
+    let among = |disk: &'static str, ball: &'static str| if disks { disk } else { ball };
+    let starts = |prefix: &str| name.starts_with(prefix);
+    Some(match name {
+        TIME | "dt" => "s",
+        "front" | "rear" | "width" | "width98" => "m",
+        "fluid_speed_max" => "m/s",
+        "kinetic_energy" | "mechanical_energy" => among("J/m", "J"),
+        "inflow" | "outflow" => "m²/s",
+        "pressure_drop" => "Pa",
+        CONTACT_RESIDUAL | PENETRATION_MAX | POROSITY_MIN | "transfer_loss" | "reynolds" => "–",
+        _ if is_cost(name) => "s",
+        _ if is_count(name) || name.ends_with(DEFECT) => "–",
+        _ if starts("centre_") => "m",
+        _ if starts("fall_speed") => "m/s",
+        _ if starts("momentum_") => among("kg/s", "kg m/s"),
+        _ if starts("force_") => "N/m",
+        _ if starts("mean_pressure_gradient_") => "Pa/m",
+        _ => return None,
+    })
 }

@@ -15,12 +15,13 @@ use scene::Error;
 use super::recorded;
 
 /// What a run writes to its folder, beside its recording.
-const WRITTEN: [&str; 12] = [
+const WRITTEN: [&str; 13] = [
     "run.json",
     "scene.toml",
     "scene.json",
     "grains.csv",
     "steps.csv",
+    "steps.units.csv",
     "fluid.pvd",
     "grains.pvd",
     "overview.png",

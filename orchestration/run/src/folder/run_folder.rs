@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | `run.json` | scene, versions, machine, cost by phase, worst invariants, exit |
 //! | `scene.toml`, `scene.json`, `grains.csv` | the scene as written, as resolved, and its grains |
-//! | `steps.csv` | a row a step |
+//! | `steps.csv`, `steps.units.csv` | a row a step; the unit of each column |
 //! | `fluid.pvd`, `grains.pvd`, `vtu/` | states for ParaView |
 //! | `frames/`, `overview.png` | pictures |
 //! | `exchange.mcap` | all that the processes exchanged, when it is recorded |
@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 use protocol::field::{Field, Support};
 use protocol::message::{Diagnostic, Hello, ToOrchestrator};
 use protocol::monitor::Event;
+use protocol::scene::Geometry;
 use scene::{Error, Scene, plan};
 
 use super::previous::Previous;
@@ -24,12 +25,13 @@ use super::steps::{Steps, Summary};
 use crate::disk::Disk;
 use crate::file;
 use crate::vtu::mesh::Mesh;
-use crate::vtu::write::{self, Series};
+use crate::vtu::write::{self, Series, Style};
 
 /// Writes the run folder while a run goes on.
 pub struct RunFolder {
     path: PathBuf,
     dimension: usize,
+    disks: bool,
     fields: Option<Vec<String>>,
     steps: Steps,
     fluid_series: Series,
@@ -59,8 +61,12 @@ impl RunFolder {
         Ok(RunFolder {
             path: path.to_path_buf(),
             dimension: scene.dimension(),
+            disks: scene.coupler.geometry == Geometry::Disk,
             fields: scene.output.fields.clone(),
-            steps: Steps::create(path.join("steps.csv"))?,
+            steps: Steps::create(
+                path.join("steps.csv"),
+                scene.coupler.geometry == Geometry::Disk,
+            )?,
             fluid_series: Series::new(path.join("fluid.pvd")),
             grain_series: Series::new(path.join("grains.pvd")),
             started: false,
@@ -140,8 +146,13 @@ impl RunFolder {
                 .map(|(field, values)| (*field, values.as_slice()))
                 .collect()
         };
+        let style = Style {
+            dimension: self.dimension,
+            disks: self.disks,
+            time,
+        };
         if let Some(mesh) = &self.mesh {
-            let content = write::fluid(mesh, &of(Support::Node));
+            let content = write::fluid(mesh, &style, &of(Support::Node));
             self.fluid_series
                 .add(time, &format!("vtu/fluid_{number:04}.vtu"), &content, disk)?;
         }
@@ -152,7 +163,7 @@ impl RunFolder {
                     .into_iter()
                     .filter(|(field, _)| *field != Field::GrainPosition),
             );
-            let content = write::grains(self.dimension, position, &columns);
+            let content = write::grains(&style, position, &columns);
             self.grain_series
                 .add(time, &format!("vtu/grains_{number:04}.vtu"), &content, disk)?;
         }

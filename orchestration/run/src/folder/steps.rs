@@ -15,6 +15,7 @@ use crate::disk::Disk;
 /// The table of the steps.
 pub struct Steps {
     path: PathBuf,
+    disks: bool,
     file: File,
     /// Bytes of whole rows.
     length: u64,
@@ -66,11 +67,13 @@ const SUMMED: [&str; 5] = [
 ];
 
 impl Steps {
-    /// An empty table; the first row names the columns.
-    pub fn create(path: PathBuf) -> Result<Self, Error> {
+    /// An empty table; the first row names the columns, and their units go to a file beside it. `disks`:
+    /// numbers of grains are per metre of depth.
+    pub fn create(path: PathBuf, disks: bool) -> Result<Self, Error> {
         let file = File::create(&path).map_err(Error::file("cannot write", &path))?;
         Ok(Steps {
             path,
+            disks,
             file,
             length: 0,
             columns: Vec::new(),
@@ -85,6 +88,7 @@ impl Steps {
         if self.columns.is_empty() {
             self.columns = values.iter().map(|value| value.name.clone()).collect();
             text = self.columns.join(",") + "\n";
+            self.write_units(disk)?;
         }
         let row: Vec<String> = self
             .columns
@@ -107,6 +111,19 @@ impl Steps {
         self.length += text.len() as u64;
         self.summary.add(values);
         Ok(())
+    }
+}
+
+impl Steps {
+    /// `steps.units.csv`: column and unit; "–" where there is none, nothing where only the engine knows.
+    fn write_units(&self, disk: &Disk) -> Result<(), Error> {
+        let unit = |name: &String| {
+            let unit = columns::unit(name, self.disks).unwrap_or_default();
+            format!("{name},{unit}\n")
+        };
+        let rows: String = self.columns.iter().map(unit).collect();
+        let units = self.path.with_extension("units.csv");
+        disk.write(&units, format!("column,unit\n{rows}"))
     }
 }
 

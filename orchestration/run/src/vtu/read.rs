@@ -77,9 +77,10 @@ impl State {
         Ok(Some(eights.map(number).collect()))
     }
 
-    /// An array as it lies in the file.
+    /// An array as it lies in the file, whose name there may end in its unit: `name [unit]`.
     pub fn bytes(&self, name: &str) -> Result<Option<Vec<u8>>, Error> {
-        let Some(start) = self.text.find(&format!("Name=\"{name}\"")) else {
+        let found = ["\"", " ["].map(|end| self.text.find(&format!("Name=\"{name}{end}")));
+        let Some(start) = found.into_iter().flatten().next() else {
             return Ok(None);
         };
         let mut lines = self.text[start..].lines();

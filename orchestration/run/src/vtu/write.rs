@@ -20,24 +20,45 @@ const TETRAHEDRON: u8 = 10;
 /// Numbers of a point and of a vector in a file, where the plane lies at z = 0.
 const SPACE: usize = 3;
 
+/// How a file is to be written.
+#[derive(Debug, Clone, Copy)]
+pub struct Style {
+    /// Numbers of a point.
+    pub dimension: usize,
+    /// Are grains disks, per metre of depth?
+    pub disks: bool,
+    /// Time of the state \[s\].
+    pub time: f64,
+}
+
+impl Style {
+    /// `name [unit]`; a number without a unit has its name alone.
+    fn label(&self, field: Field) -> String {
+        match field.unit_among(self.dimension, self.disks) {
+            "–" => field.name().to_string(),
+            unit => format!("{} [{unit}]", field.name()),
+        }
+    }
+}
+
 /// Values at the points of a file.
 struct PointData {
-    name: &'static str,
+    name: String,
     width: usize,
     values: Vec<f64>,
 }
 
 impl PointData {
     /// ParaView expects vectors with three components.
-    fn new(field: Field, dimension: usize, values: Vec<f64>) -> PointData {
+    fn new(field: Field, style: &Style, values: Vec<f64>) -> PointData {
         let rank = field.spec().rank;
-        let width = rank.components(dimension);
+        let width = rank.components(style.dimension);
         let (width, values) = match rank {
             Rank::Vector => (SPACE, in_space(&values, width)),
             _ => (width, values),
         };
         PointData {
-            name: field.name(),
+            name: style.label(field),
             width,
             values,
         }
@@ -56,14 +77,14 @@ fn in_space(values: &[f64], dimension: usize) -> Vec<f64> {
 }
 
 /// A state of the fluid: nodal fields on the mesh.
-pub fn fluid(mesh: &Mesh, fields: &[(Field, &[f64])]) -> String {
+pub fn fluid(mesh: &Mesh, style: &Style, fields: &[(Field, &[f64])]) -> String {
     let width = |field: &Field| field.spec().rank.components(mesh.dimension);
     let data: Vec<PointData> = fields
         .iter()
         .filter(|(field, values)| values.len() == mesh.node_count * width(field))
         .map(|(field, values)| {
             let values = mesh.at_points(values, width(field));
-            PointData::new(*field, mesh.dimension, values)
+            PointData::new(*field, style, values)
         })
         .collect();
     let cells = Cells {
@@ -74,23 +95,29 @@ pub fn fluid(mesh: &Mesh, fields: &[(Field, &[f64])]) -> String {
         corners: mesh.dimension + 1,
         connectivity: mesh.corners.iter().map(|&point| point.into()).collect(),
     };
-    document(&in_space(&mesh.points, mesh.dimension), &cells, &data)
+    document(
+        &in_space(&mesh.points, mesh.dimension),
+        &cells,
+        &data,
+        style,
+    )
 }
 
 /// A state of the grains: points with radius, velocity and what else was sent.
-pub fn grains(dimension: usize, position: &[f64], fields: &[(Field, &[f64])]) -> String {
+pub fn grains(style: &Style, position: &[f64], fields: &[(Field, &[f64])]) -> String {
+    let dimension = style.dimension;
     let count = position.len() / dimension;
     let data: Vec<PointData> = fields
         .iter()
         .filter(|(field, values)| values.len() == count * field.spec().rank.components(dimension))
-        .map(|(field, values)| PointData::new(*field, dimension, values.to_vec()))
+        .map(|(field, values)| PointData::new(*field, style, values.to_vec()))
         .collect();
     let cells = Cells {
         kind: VERTEX,
         corners: 1,
         connectivity: (0..count as i64).collect(),
     };
-    document(&in_space(position, dimension), &cells, &data)
+    document(&in_space(position, dimension), &cells, &data, style)
 }
 
 /// Cells of one kind, with as many points each.
@@ -117,20 +144,23 @@ impl Cells {
     }
 }
 
-/// An unstructured grid of cells.
-fn document(points: &[f64], cells: &Cells, data: &[PointData]) -> String {
+/// An unstructured grid of cells, with its time where ParaView looks for it.
+fn document(points: &[f64], cells: &Cells, data: &[PointData], style: &Style) -> String {
     let mut xml = String::from("<?xml version=\"1.0\"?>\n");
     xml += "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
+    xml += "<UnstructuredGrid>\n<FieldData>\n";
+    array(&mut xml, "Float64", "TimeValue", 1, reals(&[style.time]));
+    xml += "</FieldData>\n";
     // Writing to a string cannot fail.
     let _ = writeln!(
         xml,
-        "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<PointData>",
+        "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<PointData>",
         points.len() / SPACE,
         cells.count()
     );
     for column in data {
         let bytes = reals(&column.values);
-        array(&mut xml, "Float64", column.name, column.width, bytes);
+        array(&mut xml, "Float64", &column.name, column.width, bytes);
     }
     xml += "</PointData>\n<Points>\n";
     array(&mut xml, "Float64", "position", SPACE, reals(points));
@@ -221,16 +251,44 @@ mod tests {
         let velocity: Vec<f64> = (0..dimension * (dimension + 1)).map(|k| k as f64).collect();
         let pressure = vec![7.0; dimension + 1];
         let grain = vec![0.25; dimension];
+        let style = Style {
+            dimension,
+            disks: dimension == 2,
+            time: 0.5,
+        };
         [
             fluid(
                 &mesh,
+                &style,
                 &[
                     (Field::InterstitialVelocity, &velocity),
                     (Field::Pressure, &pressure),
                 ],
             ),
-            grains(dimension, &grain, &[(Field::GrainVelocity, &grain)]),
+            grains(
+                &style,
+                &grain,
+                &[
+                    (Field::GrainVelocity, &grain),
+                    (Field::GrainMass, &[2.0]),
+                    (Field::GrainFixed, &[1.0]),
+                ],
+            ),
         ]
+    }
+
+    #[test]
+    fn names_have_units_and_files_their_time() {
+        for (dimension, mass) in [(2, "grain_mass [kg/m]"), (3, "grain_mass [kg]")] {
+            let [fluid, grains] = written(dimension);
+            assert!(fluid.contains("\"pressure [Pa]\""), "{fluid}");
+            for name in ["grain_velocity [m/s]", mass, "grain_fixed"] {
+                assert!(grains.contains(&format!("\"{name}\"")), "{grains}");
+            }
+            for state in [fluid, grains].map(State::from_text) {
+                assert_eq!(state.numbers("TimeValue").expect("read"), Some(vec![0.5]));
+            }
+        }
     }
 
     #[test]
