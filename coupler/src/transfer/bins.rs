@@ -12,13 +12,16 @@ pub struct Bins<const D: usize> {
 
 impl<const D: usize> Bins<D> {
     /// Bins over the box from `lower` to `upper`, nearly cubes, each about as large as one of
-    /// `simplex_count` simplices.
+    /// `simplex_count` simplices; along each axis at most as many as there are simplices.
     pub fn new(lower: Vector<D>, upper: Vector<D>, simplex_count: usize) -> Bins<D> {
         let extent = upper - lower;
         let volume: f64 = extent.iter().product();
         let cubes = simplex_count.max(1) as f64 / factorial(D) as f64;
         let edge = simplex::cube_edge::<D>(volume / cubes);
-        let counts = std::array::from_fn(|axis| ((extent[axis] / edge).ceil() as usize).max(1));
+        let most = simplex_count.max(1);
+        let along = |axis: usize| (extent[axis] / edge).ceil() as usize;
+        // in a box like a needle cubes as wide as it is are more than any memory holds
+        let counts = std::array::from_fn(|axis| along(axis).clamp(1, most));
         Bins {
             lower,
             size: vector::from_fn(|axis| extent[axis] / counts[axis] as f64),
@@ -81,4 +84,26 @@ fn boxes<const D: usize>(first: [usize; D], last: [usize; D]) -> impl Iterator<I
         None
     };
     std::iter::successors(Some(first), next)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bins of a plane box of this height and width 1, with 100 simplices.
+    fn bins(height: f64) -> Bins<2> {
+        Bins::new(Vector::zeros(), Vector::from([1.0, height]), 100)
+    }
+
+    #[test]
+    fn a_box_like_a_needle_has_no_more_bins_than_simplices() {
+        for height in [1.0, 10.0, 1e6, 1e15] {
+            let bins = bins(height);
+            println!("height {height:e}: {} bins", bins.count());
+            assert!(bins.count() <= 100);
+            let last = bins.of(&Vector::from([1.0, height]));
+            assert_eq!(bins.range(last, last).next(), Some(bins.count() - 1));
+        }
+        assert_eq!(bins(10.0).counts, [3, 23]);
+    }
 }
