@@ -3,7 +3,7 @@
 //! * [`facet`], [`simplices`]: a facet of the boundary, and the mesh itself
 //! * `parts`: which nodes hang together
 //! * `facets`: which sides of simplices are the boundary, and of which name
-//! * [`rectangle`], [`file`]: the two ways to a mesh; rectangles know no space
+//! * [`rectangle`], [`mod@file`]: the two ways to a mesh; rectangles know no space
 
 pub mod facet;
 mod facets;

@@ -3,7 +3,7 @@
 //! A ridge acts only on grains that no meeting facet faces, so a floor made of many facets is smooth
 //! to a rolling grain. Where two facets meet in a concave corner, both reach beyond it, so a grain
 //! meets the next face before it is over it; but no farther than over faces that rise one from the other
-//! ([`concave`](super::concave)), or they would stick out where the wall turns away.
+//! (`concave`), or they would stick out where the wall turns away.
 
 use space::periodic::{Image, each_image, shifted, shortest_image};
 use space::{Dim, Dimension, Period, Vector, dot, norm};

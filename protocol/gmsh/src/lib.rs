@@ -3,7 +3,7 @@
 //! Formats 2.2 and 4.1, ASCII and binary. Read in this order:
 //!
 //! * `cursor`: numbers and words of the bytes; `kind`: which elements there are
-//! * [`file`]: what a file says; `read`, `sections`, `legacy`: how it is read, in both formats
+//! * [`mod@file`]: what a file says; `read`, `sections`, `legacy`: how it is read, in both formats
 //! * [`mesh`]: a mesh of simplices; `build`, `filling`: how it is made
 //! * `sides`, `borders`, `topology`: what is the boundary, and what makes a mesh unusable
 //! * [`survey`]: groups, sizes, qualities, for people
