@@ -23,6 +23,20 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
+/// The program with these arguments: exit code, stdout, stderr.
+pub fn sillage(arguments: &[&str]) -> (Option<i32>, String, String) {
+    let output = Command::new(programs().join("sillage"))
+        .args(arguments)
+        .output()
+        .expect("started");
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (
+        output.status.code(),
+        text(&output.stdout),
+        text(&output.stderr),
+    )
+}
+
 /// The engines and the coupler, built when they are not there yet.
 pub fn need_programs() {
     static ONCE: Once = Once::new();

@@ -1,23 +1,8 @@
 //! Mesh files through whole commands.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
-use crate::background::{need_programs, root};
-
-/// Exit code, stdout and stderr of a command.
-fn told(arguments: &[&str]) -> (Option<i32>, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_sillage"))
-        .args(arguments)
-        .output()
-        .expect("started");
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (
-        output.status.code(),
-        text(&output.stdout),
-        text(&output.stderr),
-    )
-}
+use crate::background::{need_programs, root, sillage};
 
 fn text(path: &Path) -> &str {
     path.to_str().expect("plain")
@@ -40,7 +25,7 @@ fn scene(folder: &Path, file: &str) -> PathBuf {
 fn a_check_tells_what_is_in_a_mesh_and_what_is_missing() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = scene(folder.path(), "channel-2.2-binary.msh");
-    let (code, out, _) = told(&["check", text(&path), "--mesh"]);
+    let (code, out, _) = sillage(&["check", text(&path), "--mesh"]);
     println!("{out}");
     assert_eq!(code, Some(0));
     for part in [
@@ -52,7 +37,7 @@ fn a_check_tells_what_is_in_a_mesh_and_what_is_missing() {
     ] {
         assert!(out.contains(part), "{part}");
     }
-    let (code, out, err) = told(&[
+    let (code, out, err) = sillage(&[
         "check",
         text(&path),
         "--mesh",
@@ -62,7 +47,7 @@ fn a_check_tells_what_is_in_a_mesh_and_what_is_missing() {
     println!("{out}{err}");
     assert_eq!(code, Some(2));
     assert!(out.contains("no mesh can be made of it") && err.contains("\"ice\""));
-    let (code, out, _) = told(&["check", text(&path), "--mesh", "--json"]);
+    let (code, out, _) = sillage(&["check", text(&path), "--mesh", "--json"]);
     assert_eq!(code, Some(0));
     let document: serde_json::Value = serde_json::from_str(&out).expect("JSON");
     assert_eq!(document["mesh"]["groups"].as_array().map(Vec::len), Some(5));
@@ -75,7 +60,7 @@ fn a_binary_mesh_is_run_recorded_and_replayed_without_its_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = scene(folder.path(), "channel-4.1-binary.msh");
     let out = folder.path().join("run");
-    let (code, _, err) = told(&["run", text(&path), "--record", "--out", text(&out)]);
+    let (code, _, err) = sillage(&["run", text(&path), "--record", "--out", text(&out)]);
     assert_eq!(code, Some(0), "{err}");
     let steps = std::fs::read_to_string(out.join("steps.csv")).expect("steps");
     let mut lines = steps.lines();
@@ -87,7 +72,7 @@ fn a_binary_mesh_is_run_recorded_and_replayed_without_its_file() {
         assert!((value / 1e-6 - 1.0).abs() < 1e-9, "{name}: {value:e}");
     }
     std::fs::remove_file(folder.path().join("own.msh")).expect("removed");
-    let (code, found, _) = told(&["replay", text(&out), "--as", "fluid"]);
+    let (code, found, _) = sillage(&["replay", text(&out), "--as", "fluid"]);
     assert_eq!(code, Some(0));
     assert!(found.contains("3 steps, 3 answers, within the tolerance"));
 }

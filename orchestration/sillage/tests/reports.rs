@@ -12,7 +12,7 @@ use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use serde_json::Value;
 
-use crate::background::{need_programs, programs, root, small_cloud};
+use crate::background::{need_programs, programs, root, sillage, small_cloud};
 
 /// Five states of a small cloud.
 pub fn tiny_run(folder: &Path) {
@@ -26,20 +26,6 @@ pub fn tiny_run(folder: &Path) {
         .expect("started");
     let words = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{words}");
-}
-
-/// The program with these arguments: exit code, stdout, stderr.
-fn sillage(arguments: &[&str]) -> (Option<i32>, String, String) {
-    let output = Command::new(programs().join("sillage"))
-        .args(arguments)
-        .output()
-        .expect("started");
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (
-        output.status.code(),
-        text(&output.stdout),
-        text(&output.stderr),
-    )
 }
 
 /// The document inside a page.

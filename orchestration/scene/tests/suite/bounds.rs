@@ -3,22 +3,10 @@
 use std::path::Path;
 
 use scene::Scene;
-use scene::document::Document;
 
-const COUPLED: &str = r#"
-[run]
-end_time = 1.0
-coupling_step = 0.1
-[gravity]
-acceleration = [0.0, -9.81]
-[fluid]
-density = 1200.0
-dynamic_viscosity = 0.12
-[fluid.domain]
-rectangle = { lower = [0.0, 0.0], upper = [0.01, 0.02], cells = [4, 8] }
-[fluid.boundaries]
-all = "no-slip"
-[[grains]]
+use crate::scene_errors::{self, CLEAR_FLUID};
+
+const GRAINS: &str = r#"[[grains]]
 density = 2400.0
 radius = 1e-4
 lattice = { lower = [0.0, 0.0], upper = [0.01, 0.01], spacing = 1e-3 }
@@ -29,13 +17,15 @@ scheme = "staggered"
 "#;
 
 fn load(settings: &[&str]) -> Result<Scene, String> {
-    let settings: Vec<String> = settings.iter().map(|setting| setting.to_string()).collect();
-    Document::parse(Path::new("case.toml"), COUPLED.to_string(), &settings)
-        .and_then(|document| scene::from_document(&document, 1))
-        .map_err(|error| {
-            assert_eq!(error.exit_code(), 2, "{error}");
-            error.to_string()
-        })
+    load_at(Path::new("case.toml"), settings)
+}
+
+/// The same as a file at `path`.
+fn load_at(path: &Path, settings: &[&str]) -> Result<Scene, String> {
+    scene_errors::load(path, &format!("{CLEAR_FLUID}{GRAINS}"), settings).map_err(|error| {
+        assert_eq!(error.exit_code(), 2, "{error}");
+        error.to_string()
+    })
 }
 
 fn accepted(settings: &[&str]) -> Scene {
@@ -202,10 +192,7 @@ fn many_equal_lines_of_a_grain_file_are_refused_or_read_in_seconds() {
     let file = |name: &str| -> Result<usize, String> {
         let grains = format!("grains=[{{ density = 2400.0, file = \"{name}\" }}]");
         let path = folder.path().join("case.toml");
-        Document::parse(&path, COUPLED.to_string(), &[grains])
-            .and_then(|document| scene::from_document(&document, 1))
-            .map(|scene| scene.grains.len())
-            .map_err(|error| error.to_string())
+        load_at(&path, &[&grains]).map(|scene| scene.grains.len())
     };
     let begun = std::time::Instant::now();
     write(0);

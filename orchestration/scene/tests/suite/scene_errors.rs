@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use scene::document::Document;
+use scene::{Error, Scene};
 
-const CLEAR_FLUID: &str = r#"
+pub const CLEAR_FLUID: &str = r#"
 [run]
 end_time = 1.0
 coupling_step = 0.1
@@ -34,12 +35,16 @@ fn coupled() -> String {
     format!("{CLEAR_FLUID}{GRAINS}")
 }
 
+/// The scene of this text as a file at `path`, or why not.
+pub fn load(path: &Path, text: &str, settings: &[&str]) -> Result<Scene, Error> {
+    let settings: Vec<String> = settings.iter().map(|setting| setting.to_string()).collect();
+    Document::parse(path, text.to_string(), &settings)
+        .and_then(|document| scene::from_document(&document, 1))
+}
+
 /// The message of a scene that must be refused, in one line a problem.
 fn refusal(text: &str, settings: &[&str]) -> String {
-    let settings: Vec<String> = settings.iter().map(|setting| setting.to_string()).collect();
-    let loaded = Document::parse(Path::new("case.toml"), text.to_string(), &settings)
-        .and_then(|document| scene::from_document(&document, 1));
-    match loaded {
+    match load(Path::new("case.toml"), text, settings) {
         Ok(_) => panic!("accepted: {settings:?}\n{text}"),
         Err(error) => {
             assert_eq!(error.exit_code(), 2, "{error}");
@@ -49,11 +54,8 @@ fn refusal(text: &str, settings: &[&str]) -> String {
     }
 }
 
-fn accepted(text: &str, settings: &[&str]) -> scene::Scene {
-    let settings: Vec<String> = settings.iter().map(|setting| setting.to_string()).collect();
-    Document::parse(Path::new("case.toml"), text.to_string(), &settings)
-        .and_then(|document| scene::from_document(&document, 1))
-        .unwrap_or_else(|error| panic!("{error}"))
+fn accepted(text: &str, settings: &[&str]) -> Scene {
+    load(Path::new("case.toml"), text, settings).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn assert_names(message: &str, parts: &[&str]) {
