@@ -1,5 +1,8 @@
 //! From the document to its keys; what serde says is put in the words of a scene.
 
+use serde_json::{Value as Json, json};
+use toml::Value;
+
 use crate::document::Document;
 use crate::error::Error;
 use crate::keys::SceneFile;
@@ -14,13 +17,42 @@ const NO_LENGTH: &str = "no longer a key: every grain is spread over its own siz
 
 /// All keys of a document; unknown keys and wrong types are refused with file and line.
 pub fn read(document: &Document) -> Result<SceneFile, Error> {
-    serde_path_to_error::deserialize::<toml::Value, SceneFile>(document.tree.clone()).map_err(
-        |error| {
-            let path = error.path().to_string();
-            let message = error.inner().message().to_string();
-            Error::Scene(Problems(vec![explain(document, &path, &message)]))
-        },
-    )
+    let read = serde_path_to_error::deserialize::<Value, SceneFile>(document.tree.clone());
+    let keys = read.map_err(|error| {
+        let path = error.path().to_string();
+        let message = error.inner().message().to_string();
+        Error::Scene(Problems(vec![explain(document, &path, &message)]))
+    })?;
+    match out_of_form(&document.tree, &json!(keys)) {
+        Some((path, message)) => {
+            let problem = document.problem(path.trim_start_matches('.'), message);
+            Err(Error::Scene(Problems(vec![problem])))
+        }
+        None => Ok(keys),
+    }
+}
+
+/// A table that is written as a list of its values, or a name as a table: serde takes either, with values
+/// in an order that nobody has promised. Its key, after a dot, and what is expected.
+fn out_of_form(written: &Value, read: &Json) -> Option<(String, &'static str)> {
+    let inside = |key: String, written: &Value, read: &Json| {
+        let (path, message) = out_of_form(written, read)?;
+        Some((key + &path, message))
+    };
+    match (written, read) {
+        (Value::Table(table), Json::Object(keys)) => table
+            .iter()
+            .find_map(|(key, value)| inside(format!(".{key}"), value, keys.get(key)?)),
+        (Value::Array(list), Json::Array(entries)) => {
+            let mut pairs = list.iter().zip(entries).enumerate();
+            pairs.find_map(|(index, (value, entry))| inside(format!("[{index}]"), value, entry))
+        }
+        (Value::Array(_), Json::Object(_)) => {
+            Some((String::new(), "wrong type: list, expected a table { … }"))
+        }
+        (Value::Table(_), _) => Some((String::new(), "wrong type: table, expected a name alone")),
+        _ => None,
+    }
 }
 
 /// The problem behind a message of serde at `path`.
