@@ -5,8 +5,10 @@ use protocol::monitor::columns;
 use protocol::scene::{AdaptiveStep, Geometry, MeanFlow, Nonlinear, Scheme};
 
 use crate::document::Document;
-use crate::keys::{Contact, Coupling, Fluid, GrainDomain, LimitKeys, Rectangle, SceneFile};
-use crate::keys::{Grains, Radius};
+use crate::keys::{
+    Contact, Coupling, DENSEST, Fluid, GrainDomain, LimitKeys, Rectangle, SceneFile,
+};
+use crate::keys::{Grains, Radius, WallSegment};
 use crate::memory;
 use crate::problem::Problem;
 use crate::read::nearest;
@@ -110,14 +112,7 @@ impl<'a> Checker<'a> {
             self.grain_domain(domain);
         }
         for (index, wall) in scene.walls.iter().enumerate() {
-            self.finite(&format!("walls[{index}].from"), &wall.from);
-            self.finite(&format!("walls[{index}].to"), &wall.to);
-            if wall.from == wall.to {
-                self.refuse(
-                    &format!("walls[{index}].to"),
-                    "must differ from the start, `from`",
-                );
-            }
+            self.wall(&format!("walls[{index}]"), wall);
         }
         if let Some(contact) = &scene.contact {
             self.contact(contact);
@@ -129,6 +124,24 @@ impl<'a> Checker<'a> {
         self.record(scene);
         self.limits(&scene.limits);
         self.engines(scene);
+    }
+
+    fn wall(&mut self, key: &str, wall: &WallSegment) {
+        self.finite(&format!("{key}.from"), &wall.from);
+        self.finite(&format!("{key}.to"), &wall.to);
+        let [x, y] = [0, 1].map(|axis| wall.to[axis] - wall.from[axis]);
+        if [x, y] == [0.0; 2] {
+            self.refuse(&format!("{key}.to"), "must differ from the start, `from`");
+        }
+        let Some(velocity) = wall.velocity else {
+            return;
+        };
+        let key = format!("{key}.velocity");
+        self.finite(&key, &velocity);
+        let across = (velocity[0] * y - velocity[1] * x).abs();
+        if across > 1e-6 * f64::hypot(velocity[0], velocity[1]) * f64::hypot(x, y) {
+            self.refuse(&key, "must lead along the wall, which stays where it is");
+        }
     }
 
     /// What must be there for what is there.
@@ -306,10 +319,10 @@ impl<'a> Checker<'a> {
     }
 
     fn fraction(&mut self, key: &str, fraction: f64) {
-        if !(fraction > 0.0 && fraction < 0.9069) {
+        if !(fraction > 0.0 && fraction < DENSEST) {
             self.refuse(
                 &format!("{key}.solid_fraction"),
-                "must be greater than 0 and less than 0.9069, the densest packing of equal disks",
+                format!("must be greater than 0 and less than {DENSEST}, the densest packing of equal disks"),
             );
         }
     }

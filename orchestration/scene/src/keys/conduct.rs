@@ -4,6 +4,8 @@ use recording::Compression;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
+use super::ranges::{not_empty, positive, written_fields};
+
 /// Engines to use instead of the built-in ones.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields)]
@@ -19,6 +21,7 @@ pub struct Engines {
 #[serde(deny_unknown_fields)]
 pub struct EngineCommand {
     /// Program and arguments; started in the folder of the scene.
+    #[schemars(transform = not_empty)]
     pub command: Vec<String>,
 }
 
@@ -27,11 +30,13 @@ pub struct EngineCommand {
 #[serde(deny_unknown_fields)]
 pub struct Output {
     /// Time between states written (s); left out: only the first and the last.
+    #[schemars(transform = positive)]
     pub every: Option<f64>,
     /// Draw a picture of every state written.
     #[serde(default = "yes")]
     pub frames: bool,
     /// Names of the fields in the ParaView files; left out: all that exist.
+    #[schemars(transform = written_fields)]
     pub fields: Option<Vec<String>>,
 }
 
@@ -40,6 +45,7 @@ pub struct Output {
 #[serde(deny_unknown_fields, default)]
 pub struct Record {
     /// File, relative to the run folder; its name ends in ".mcap".
+    #[schemars(regex(pattern = r"[^/]\.mcap$"))]
     pub file: String,
     /// "zstd" (smaller) or "none".
     #[schemars(schema_with = "compression")]
@@ -60,10 +66,13 @@ impl Default for Record {
 #[serde(deny_unknown_fields, default)]
 pub struct LimitKeys {
     /// Until an engine says hello.
+    #[schemars(transform = positive)]
     pub connect: f64,
     /// Until an engine is ready after its scene.
+    #[schemars(transform = positive)]
     pub configure: f64,
     /// Until an engine answers one step.
+    #[schemars(transform = positive)]
     pub step: f64,
 }
 

@@ -4,22 +4,29 @@ use protocol::scene::{AdaptiveStep, DragLaw, Geometry, Scheme};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::ranges::{not_negative, one_or_more, tolerance};
+
 /// Contacts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
     /// Coulomb coefficient between grains.
     #[serde(default)]
+    #[schemars(transform = not_negative)]
     pub friction: f64,
     /// Coulomb coefficient between grains and walls; left out: as between grains.
+    #[schemars(transform = not_negative)]
     pub wall_friction: Option<f64>,
     /// Residual at which a contact solve stops, of |g| Δt.
+    #[schemars(transform = tolerance)]
     pub tolerance: f64,
     /// Sweeps allowed in a contact solve; more is an error.
     #[serde(default = "sweeps_max")]
+    #[schemars(transform = one_or_more)]
     pub sweeps_max: usize,
     /// Sub-steps allowed in a coupling step; more is an error.
     #[serde(default = "sub_steps_max")]
+    #[schemars(transform = one_or_more)]
     pub sub_steps_max: u32,
 }
 

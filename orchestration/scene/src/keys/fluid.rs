@@ -8,13 +8,19 @@ use protocol::scene::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::ranges::{
+    exactly_one_of, not_empty, not_negative, one_or_more, positive, scale_of_mesh,
+};
+
 /// The fluid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Fluid {
     /// Density (kg/m³).
+    #[schemars(transform = positive)]
     pub density: f64,
     /// Dynamic viscosity (Pa s).
+    #[schemars(transform = positive)]
     pub dynamic_viscosity: f64,
     /// Where the fluid is.
     pub domain: Domain,
@@ -22,6 +28,7 @@ pub struct Fluid {
     /// names of the mesh. A name goes before "all".
     #[serde(with = "super::boundary::map")]
     #[schemars(with = "BTreeMap<String, super::boundary::BoundaryKey>")]
+    #[schemars(transform = not_empty)]
     pub boundaries: BTreeMap<String, Boundary<[f64; 2]>>,
     /// Convection v·∇v: true, false (creeping flow), or "auto": left out while it is small.
     #[serde(default = "as_needed")]
@@ -36,6 +43,7 @@ pub struct Fluid {
     #[serde(default = "symmetric")]
     pub viscous_form: ViscousForm,
     /// Factor of the grad-div stabilisation; left out: 1 with grains, 0.1 without.
+    #[schemars(transform = not_negative)]
     pub grad_div: Option<f64>,
     /// Uniform initial superficial velocity (m/s).
     #[serde(default)]
@@ -49,6 +57,7 @@ pub struct Fluid {
 /// Where the fluid is: a rectangle, or a mesh file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = exactly_one_of(&["rectangle", "mesh"]), transform = scale_of_mesh)]
 pub struct Domain {
     /// A rectangle cut into cells; boundaries left, right, bottom, top.
     pub rectangle: Option<Rectangle>,
@@ -56,6 +65,7 @@ pub struct Domain {
     /// its curves, or have the number of the group or curve.
     pub mesh: Option<String>,
     /// Metres of a unit of the mesh file, e.g. 1e-3 for millimetres; left out: 1.
+    #[schemars(transform = positive)]
     pub scale: Option<f64>,
     /// Surfaces of the mesh file that are filled with fluid, by name or number; left out: the only one.
     #[serde(default)]
@@ -71,12 +81,14 @@ pub struct Rectangle {
     /// Upper right corner (m).
     pub upper: [f64; 2],
     /// Cells in x and y.
+    #[schemars(transform = one_or_more)]
     pub cells: [usize; 2],
     /// How cells are cut: "alternate" (no preferred direction) or "uniform" (translation invariant).
     #[serde(default = "alternate")]
     pub diagonals: Diagonals,
     /// Ratio of the largest to the smallest cell in x and y; 1: all equal.
     #[serde(default = "ungraded")]
+    #[schemars(transform = one_or_more)]
     pub grading: [f64; 2],
 }
 

@@ -6,11 +6,15 @@ use schemars::JsonSchema;
 use serde::de::{Error, MapAccess, Visitor, value::MapAccessDeserializer};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::ranges::{exactly_one_of, grain_properties, one_or_more, positive, solid_fraction};
+
 /// One population of grains: exactly one of cloud, lattice, box and file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = exactly_one_of(&["cloud", "lattice", "box", "file"]), transform = grain_properties)]
 pub struct Grains {
     /// Density (kg/m³); required unless the file has a column for it.
+    #[schemars(transform = positive)]
     pub density: Option<f64>,
     /// Radius (m), or { min, max }; required unless they come from a file.
     pub radius: Option<Radius>,
@@ -36,6 +40,7 @@ pub struct Grains {
 #[serde(untagged)]
 pub enum Radius {
     /// All grains alike (m).
+    #[schemars(transform = positive)]
     One(f64),
     /// Uniformly distributed.
     Range(RadiusRange),
@@ -46,8 +51,10 @@ pub enum Radius {
 #[serde(deny_unknown_fields)]
 pub struct RadiusRange {
     /// Smallest (m).
+    #[schemars(transform = positive)]
     pub min: f64,
     /// Largest (m).
+    #[schemars(transform = positive)]
     pub max: f64,
 }
 
@@ -72,14 +79,18 @@ impl Radius {
 /// A round cloud; the centres of the grains lie within its radius.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = exactly_one_of(&["solid_fraction", "count"]))]
 pub struct Cloud {
     /// Centre (m).
     pub centre: [f64; 2],
     /// Radius of the cloud (m).
+    #[schemars(transform = positive)]
     pub radius: f64,
     /// Share of the cloud's area that grains take; or give the count.
+    #[schemars(transform = solid_fraction)]
     pub solid_fraction: Option<f64>,
     /// Number of grains; or give the solid fraction.
+    #[schemars(transform = one_or_more)]
     pub count: Option<usize>,
     /// Seed of the random numbers.
     #[serde(default = "first_seed")]
@@ -103,14 +114,17 @@ pub enum Arrangement {
 /// A regular lattice in a rectangle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = exactly_one_of(&["spacing", "solid_fraction"]))]
 pub struct Lattice {
     /// Lower left corner (m).
     pub lower: [f64; 2],
     /// Upper right corner (m).
     pub upper: [f64; 2],
     /// Distance between neighbours (m); or give the solid fraction.
+    #[schemars(transform = positive)]
     pub spacing: Option<f64>,
     /// Share of the rectangle's area that grains take; whole cells fill the rectangle.
+    #[schemars(transform = solid_fraction)]
     pub solid_fraction: Option<f64>,
     /// "square" or "hexagonal".
     #[serde(default)]
@@ -134,14 +148,17 @@ pub enum Pattern {
 /// A rectangle filled at random without overlap.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = exactly_one_of(&["solid_fraction", "count"]))]
 pub struct FilledBox {
     /// Lower left corner (m).
     pub lower: [f64; 2],
     /// Upper right corner (m).
     pub upper: [f64; 2],
     /// Share of the rectangle's area that grains take; or give the count.
+    #[schemars(transform = solid_fraction)]
     pub solid_fraction: Option<f64>,
     /// Number of grains; or give the solid fraction.
+    #[schemars(transform = one_or_more)]
     pub count: Option<usize>,
     /// Seed of the random numbers.
     #[serde(default = "first_seed")]

@@ -8,6 +8,7 @@ mod conduct;
 mod coupling;
 mod fluid;
 mod grains;
+mod ranges;
 mod room;
 mod scene_file;
 
@@ -15,5 +16,6 @@ pub use conduct::{EngineCommand, Engines, LimitKeys, Output, Record};
 pub use coupling::{Contact, Coupling};
 pub use fluid::{Domain, Fluid, Rectangle};
 pub use grains::{Arrangement, Cloud, FilledBox, Grains, Lattice, Pattern, Radius, RadiusRange};
+pub use ranges::DENSEST;
 pub use room::{DefaultWalls, GrainDomain, Particles, Side, WallSegment};
 pub use scene_file::{Gravity, Run, SceneFile, scene_schema};

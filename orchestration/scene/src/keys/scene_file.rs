@@ -1,6 +1,7 @@
 //! The tables of a scene, as they stand in its file. SI units; unknown keys are refused.
 
 use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -8,11 +9,13 @@ use super::conduct::{Engines, LimitKeys, Output, Record};
 use super::coupling::{Contact, Coupling};
 use super::fluid::Fluid;
 use super::grains::Grains;
+use super::ranges::{parts, positive, without_null};
 use super::room::{Particles, WallSegment};
 
 /// A Sillage scene: grains in a fluid in two dimensions. SI units throughout.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = parts)]
 pub struct SceneFile {
     /// Duration and step.
     pub run: Run,
@@ -51,8 +54,10 @@ pub struct SceneFile {
 #[serde(deny_unknown_fields)]
 pub struct Run {
     /// When the run ends (s).
+    #[schemars(transform = positive)]
     pub end_time: f64,
     /// Coupling step (s): how often fluid and grains exchange.
+    #[schemars(transform = positive)]
     pub coupling_step: f64,
     /// May engines leave out what their bounds allow? false: everything is computed in every step,
     /// for comparison.
@@ -70,7 +75,9 @@ pub struct Gravity {
 
 /// The JSON Schema of a scene file.
 pub fn scene_schema() -> Value {
-    schemars::schema_for!(SceneFile).to_value()
+    let settings = SchemaSettings::draft2020_12().with_transform(without_null());
+    let generator = settings.into_generator();
+    generator.into_root_schema_for::<SceneFile>().to_value()
 }
 
 fn yes() -> bool {

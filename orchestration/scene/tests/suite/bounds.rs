@@ -5,6 +5,7 @@ use std::path::Path;
 use scene::Scene;
 
 use crate::scene_errors::{self, CLEAR_FLUID};
+use crate::schema;
 
 const GRAINS: &str = r#"[[grains]]
 density = 2400.0
@@ -22,7 +23,9 @@ fn load(settings: &[&str]) -> Result<Scene, String> {
 
 /// The same as a file at `path`.
 fn load_at(path: &Path, settings: &[&str]) -> Result<Scene, String> {
-    scene_errors::load(path, &format!("{CLEAR_FLUID}{GRAINS}"), settings).map_err(|error| {
+    let text = format!("{CLEAR_FLUID}{GRAINS}");
+    // What these refuse is beyond any schema.
+    scene_errors::load(path, &text, settings, schema::takes).map_err(|error| {
         assert_eq!(error.exit_code(), 2, "{error}");
         error.to_string()
     })

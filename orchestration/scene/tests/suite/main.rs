@@ -5,4 +5,6 @@ mod mesh_files;
 mod populations;
 mod scene_errors;
 mod scenes_folder;
+mod schema;
+mod schema_sweep;
 mod sides;

@@ -3,6 +3,9 @@
 use std::path::Path;
 
 use protocol::scene::{Boundary, MeshSource};
+use scene::document::Document;
+
+use crate::schema;
 
 const SQUARE: &str = include_str!("../../../../protocol/gmsh/tests/files/bare.msh");
 const TWO: &str = include_str!("../../../../protocol/gmsh/tests/files/two.msh");
@@ -17,11 +20,23 @@ fn scene_text(domain: &str, boundaries: &str) -> String {
 }
 
 fn load(mesh: &str, domain: &str, boundaries: &str) -> Result<scene::Scene, String> {
+    load_with(mesh, domain, boundaries, schema::takes)
+}
+
+/// The same, with what the schema must say of the scene.
+fn load_with(
+    mesh: &str,
+    domain: &str,
+    boundaries: &str,
+    schema: fn(&Document),
+) -> Result<scene::Scene, String> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("case.toml");
     std::fs::write(folder.path().join("m.msh"), mesh).expect("written");
     std::fs::write(&path, scene_text(domain, boundaries)).expect("written");
-    scene::load(&path, &[], 1).map_err(|error| {
+    let document = Document::load(&path, &[]).expect("TOML");
+    schema(&document);
+    scene::from_document(&document, 1).map_err(|error| {
         assert_eq!(error.exit_code(), 2, "{error}");
         println!("{error}\n");
         error.to_string()
@@ -119,12 +134,8 @@ fn every_fault_of_a_mesh_is_told_before_anything_is_started() {
     );
     let hole = SQUARE.replacen("2 1 2 ", "2 1 15 ", 1);
     refused(&hole, "", all, &["m.msh"]);
-    refused(
-        SQUARE,
-        "scale = 0.0",
-        all,
-        &["fluid.domain.scale", "greater than 0"],
-    );
+    let zero = load_with(SQUARE, "scale = 0.0", all, schema::refuses).expect_err("no scale");
+    assert!(zero.contains("fluid.domain.scale") && zero.contains("greater than 0"));
     let none = load(SQUARE, "", "\"1\" = \"slip\"").expect_err("a boundary without a condition");
     assert!(none.contains("fluid.boundaries.2") && none.contains("missing"));
 }
@@ -133,8 +144,10 @@ fn every_fault_of_a_mesh_is_told_before_anything_is_started() {
 fn cells_that_are_too_flat_are_told() {
     let text = |cells: &str| scene_text("", "all = \"no-slip\"").replace("mesh = \"m.msh\"", cells);
     let warnings = |cells: &str| {
-        let document = scene::document::Document::parse(Path::new("case.toml"), text(cells), &[]);
-        let scene = scene::from_document(&document.unwrap(), 1).unwrap();
+        let document = Document::parse(Path::new("case.toml"), text(cells), &[]);
+        let document = document.expect("TOML");
+        schema::takes(&document);
+        let scene = scene::from_document(&document, 1).unwrap();
         println!("{:?}", scene.warnings);
         scene.warnings
     };

@@ -14,6 +14,7 @@ fn grains(population: &str) -> GrainTable {
          [contact]\ntolerance = 1e-3\n"
     );
     let document = Document::parse(Path::new("case.toml"), text, &[]).expect("TOML");
+    crate::schema::takes(&document);
     scene::from_document(&document, 1)
         .unwrap_or_else(|error| panic!("{error}"))
         .grains

@@ -5,13 +5,21 @@ use std::path::Path;
 use protocol::scene::{Boundary, Wall};
 use scene::document::Document;
 
+use crate::schema;
+
 /// A rectangle of fluid with a grain in its middle.
 fn scene(boundaries: &str, more: &str) -> Result<scene::Scene, String> {
     scene_with([0.01, 0.01], boundaries, more)
 }
 
 /// The same with the grain at another place.
-fn scene_with([x, y]: [f64; 2], boundaries: &str, more: &str) -> Result<scene::Scene, String> {
+fn scene_with(place: [f64; 2], boundaries: &str, more: &str) -> Result<scene::Scene, String> {
+    let document = document(place, boundaries, more);
+    schema::takes(&document);
+    scene::from_document(&document, 1).map_err(|error| error.to_string())
+}
+
+fn document([x, y]: [f64; 2], boundaries: &str, more: &str) -> Document {
     let text = format!(
         "run = {{ end_time = 1.0, coupling_step = 0.1 }}\n\
          gravity.acceleration = [0.0, -9.81]\n\
@@ -25,14 +33,22 @@ fn scene_with([x, y]: [f64; 2], boundaries: &str, more: &str) -> Result<scene::S
          domain.rectangle = {{ lower = [0.0, 0.0], upper = [0.02, 0.02], cells = [4, 4] }}\n\
          boundaries = {{ {boundaries} }}\n"
     );
-    let document = Document::parse(Path::new("sides.toml"), text, &[]).expect("TOML");
-    scene::from_document(&document, 1).map_err(|error| error.to_string())
+    Document::parse(Path::new("sides.toml"), text, &[]).expect("TOML")
 }
 
 fn refused(boundaries: &str, more: &str, words: &[&str]) {
     let why = scene(boundaries, more).expect_err(more);
     println!("{why}");
     assert!(words.iter().all(|word| why.contains(word)), "{words:?}");
+}
+
+/// Of words that the schema knows as well.
+fn misspelt(boundaries: &str, words: &[&str]) {
+    let document = document([0.01, 0.01], boundaries, "");
+    schema::refuses(&document);
+    let why = scene::from_document(&document, 1).expect_err(boundaries);
+    let why = why.to_string();
+    assert!(words.iter().all(|word| why.contains(word)), "{why}");
 }
 
 const ALL: &str = "all = \"no-slip\"";
@@ -72,11 +88,10 @@ fn a_no_slip_side_may_move_along_itself() {
     }
     let sideways = "top = { no-slip = { velocity = [0.1, 0.1] } }, all = \"no-slip\"";
     refused(sideways, "", &["fluid.boundaries.top", "along itself"]);
-    refused("all = \"open\"", "", &["sides.toml", "open = { pressure"]);
-    refused("all = \"no-slp\"", "", &["no-slip", "did you mean"]);
-    refused(
+    misspelt("all = \"open\"", &["sides.toml", "open = { pressure"]);
+    misspelt("all = \"no-slp\"", &["no-slip", "did you mean"]);
+    misspelt(
         "all = { no-slip = { speed = 1.0 } }",
-        "",
         &["speed", "velocity"],
     );
 }

@@ -122,10 +122,13 @@ pub struct Limits {
 #[serde(deny_unknown_fields)]
 pub struct AdaptiveStep {
     /// Smallest step (s); below it the run ends.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub step_min: f64,
     /// Largest step (s).
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub step_max: f64,
     /// Cells a grain may cross in a step.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub courant: f64,
 }
 
@@ -138,8 +141,10 @@ pub enum Scheme {
     /// Passes until the interaction defect is below `tolerance`.
     Iterated {
         /// Force defect over the net force scale of the grains.
+        #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
         tolerance: f64,
         /// Passes allowed; more is an error.
+        #[schemars(range(min = 1))]
         passes_max: u32,
     },
     /// For comparison: the drag is implicit on either side, each with the other's velocity of the
@@ -179,6 +184,7 @@ pub enum Geometry {
     /// A sphere in a slab of this depth: A = πr², V = 4/3 πr³.
     Sphere {
         /// Depth of the slab (m).
+        #[schemars(extend("exclusiveMinimum" = 0))]
         depth: f64,
     },
 }

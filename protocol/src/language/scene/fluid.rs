@@ -141,8 +141,10 @@ pub enum Nonlinear {
     /// Newton to a relative residual.
     Newton {
         /// Relative residual at which it stops.
+        #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
         tolerance: f64,
         /// Iterations allowed.
+        #[schemars(range(min = 1))]
         iterations_max: usize,
     },
 }
