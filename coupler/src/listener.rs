@@ -74,7 +74,7 @@ impl Listener {
         let Listener::Orchestrator(sender) = self else {
             return Ok(());
         };
-        simulation.fetch_contacts()?;
+        simulation.fetch_unread()?;
         let state = &simulation.state;
         let contact = contact_numbers(&state.grains.contact);
         let fixed: Vec<f64> = state
@@ -95,6 +95,9 @@ impl Listener {
             let grains = &state.grains;
             fields.push((Field::GrainPosition, flat::numbers(&grains.position)));
             fields.push((Field::GrainVelocity, flat::numbers(&grains.velocity)));
+            if !grains.spin.is_empty() {
+                fields.push((Field::GrainSpin, &grains.spin));
+            }
             fields.push((Field::GrainContact, &contact));
             fields.push((Field::GrainMass, &grains.mass));
             fields.push((Field::GrainFixed, &fixed));

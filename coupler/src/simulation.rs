@@ -63,16 +63,13 @@ where
         partners.map(|partner| partner.hello().clone()).collect()
     }
 
-    /// Bring contact states up to the accepted state, where the engine keeps them back.
-    pub fn fetch_contacts(&mut self) -> Result<(), CouplerError> {
+    /// Bring contact states and spins up to the accepted state, where the engine keeps them back.
+    pub fn fetch_unread(&mut self) -> Result<(), CouplerError> {
         let step = self.state.step;
-        if let (_, Some(seat)) = self.system.seats_mut()
-            && step > 0
-            && let Some(contact) = seat.withheld_contact(step)?
-        {
-            self.state.grains.contact = contact;
+        match self.system.seats_mut() {
+            (_, Some(seat)) if step > 0 => seat.fetch(&mut self.state.grains, step),
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     /// The engines leave.

@@ -35,6 +35,8 @@ pub struct Grains<const D: usize> {
     pub mean_velocity: Vec<Vector<D>>,
     /// Who touches; where the fluid does not feel the grains it is that of the last state put out.
     pub contact: Vec<Contact>,
+    /// ω, flat, of the last state put out; empty where the engine does not tell \[rad/s\]
+    pub spin: Vec<f64>,
     /// Mean contact force of the last step \[N\]
     pub contact_force: Vec<Vector<D>>,
     /// What the last step owes the fluid (`coupled/carry.rs`) \[N\]
@@ -62,6 +64,9 @@ impl<const D: usize> Grains<D> {
         self.mean_velocity = candidate.mean_velocity;
         if !candidate.contact.is_empty() {
             self.contact = candidate.contact;
+        }
+        if !candidate.spin.is_empty() {
+            self.spin = candidate.spin;
         }
     }
 }
@@ -105,6 +110,8 @@ pub struct Candidate<const D: usize> {
     pub mean_velocity: Vec<Vector<D>>,
     /// Who touches; empty where nobody reads it with every candidate
     pub contact: Vec<Contact>,
+    /// ω at the end, flat; empty where it is not told with every candidate \[rad/s\]
+    pub spin: Vec<f64>,
     /// Sub-steps used
     pub sub_steps: u32,
 }

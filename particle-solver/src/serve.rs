@@ -47,6 +47,7 @@ impl ParticleEngine for Engine {
             Capability::ContactState,
             Capability::Checkpoint,
             Capability::MovingWalls,
+            Capability::Spin,
         ]
     }
 
@@ -228,6 +229,10 @@ fn write(candidate: &Candidate<2>, mut outputs: Outputs<'_>) -> Result<(), Failu
             return Err(Failure::new(FailureKind::Engine, why));
         }
         target.copy_from_slice(source);
+    }
+    let spin = outputs.take(Field::GrainSpin);
+    for (target, source) in spin.iter_mut().zip(&candidate.state.spin) {
+        *target = *source;
     }
     let contact = outputs.take(Field::GrainContact);
     for (target, source) in contact.iter_mut().zip(&candidate.contact) {

@@ -63,7 +63,7 @@ impl Case {
             (Some(seat), _) => seat.pressure().map(drop),
             _ => Ok(()),
         };
-        told.and_then(|()| coupling.fetch_contacts())
+        told.and_then(|()| coupling.fetch_unread())
             .unwrap_or_else(|error| panic!("{}: {error}", self.name));
         drop(coupling);
         Ok(recorder.finish(0))

@@ -101,6 +101,7 @@ pub(super) fn grains<const D: usize>(told: &InitialGrains) -> Result<Grains<D>, 
         mean_velocity: velocity.clone(),
         velocity,
         contact: vec![Contact::Free; count],
+        spin: Vec::new(),
         contact_force: vec![Vector::zeros(); count],
         carried_force: vec![Vector::zeros(); count],
         mass: told.mass.clone(),
@@ -115,11 +116,14 @@ pub(super) fn withhold(
     partner: &mut Partner,
     unread: &[Field],
 ) -> Result<Vec<Field>, CouplerError> {
+    let mut unread = unread.to_vec();
+    let told = partner.hello().answer();
+    unread.retain(|field| told.contains(field));
     if unread.is_empty() || !partner.may_withhold() || !process::may_leave_out() {
         return Ok(Vec::new());
     }
-    partner.withhold(unread)?;
-    Ok(unread.to_vec())
+    partner.withhold(&unread)?;
+    Ok(unread)
 }
 
 /// Can the engine do this?

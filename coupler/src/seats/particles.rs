@@ -66,7 +66,10 @@ impl<const D: usize> ParticleSeat<D> {
         tolerance: f64,
     ) -> Result<(ParticleSeat<D>, Grains<D>), CouplerError> {
         can_move_walls(&partner, scene)?;
-        let told = partner.configure_particles(scene, grains)?;
+        let mut grains = door::grains(&partner.configure_particles(scene, grains)?)?;
+        if can(&partner, Capability::Spin) {
+            grains.spin = no_spin(&grains);
+        }
         let engine = Engine {
             withheld: withhold(&mut partner, unread)?,
             partner,
@@ -75,7 +78,7 @@ impl<const D: usize> ParticleSeat<D> {
             diagnostics: Vec::new(),
             wall: 0.0,
         };
-        Ok((ParticleSeat::Engine(Box::new(engine)), door::grains(&told)?))
+        Ok((ParticleSeat::Engine(Box::new(engine)), grains))
     }
 
     /// Grains that stay where they are, without an engine.
@@ -83,6 +86,7 @@ impl<const D: usize> ParticleSeat<D> {
         let mut grains = door::grains::<D>(grains)?;
         grains.velocity.fill(Vector::zeros());
         grains.mean_velocity.fill(Vector::zeros());
+        grains.spin = no_spin(&grains);
         Ok((ParticleSeat::Fixed(grains.position.clone()), grains))
     }
 
@@ -146,17 +150,11 @@ impl<const D: usize> ParticleSeat<D> {
         }
     }
 
-    /// Contact states of the accepted step, if they did not come with it.
-    pub fn withheld_contact(&mut self, step: u64) -> Result<Option<Vec<Contact>>, CouplerError> {
+    /// Bring what did not come with the accepted step.
+    pub fn fetch(&mut self, grains: &mut Grains<D>, step: u64) -> Result<(), CouplerError> {
         match self {
-            ParticleSeat::Engine(engine) if !engine.withheld.is_empty() => {
-                let mut contact = Vec::new();
-                engine
-                    .partner
-                    .tell(&mut [(Field::GrainContact, &mut contact)])?;
-                door::contacts(&contact, step).map(Some)
-            }
-            _ => Ok(None),
+            ParticleSeat::Engine(engine) => engine.fetch(grains, step),
+            ParticleSeat::Fixed(_) => Ok(()),
         }
     }
 }
@@ -173,14 +171,17 @@ impl Engine {
             let force = flat::numbers(forces.force);
             vec![(Field::GrainDrag, forces.drag), (Field::GrainForce, force)]
         });
-        let [mut position, mut velocity, mut mean, mut contact] = [const { Vec::new() }; 4];
+        let [mut position, mut velocity, mut mean] = [const { Vec::new() }; 3];
+        let [mut contact, mut spin] = [const { Vec::new() }; 2];
         let mut outputs = vec![
             (Field::GrainPosition, &mut position),
             (Field::GrainVelocity, &mut velocity),
             (Field::GrainMeanVelocity, &mut mean),
             (Field::GrainContact, &mut contact),
+            (Field::GrainSpin, &mut spin),
         ];
-        outputs.retain(|(field, _)| !self.withheld.contains(field));
+        let told = self.partner.hello().answer();
+        outputs.retain(|(field, _)| told.contains(field) && !self.withheld.contains(field));
         let advance = request.advance(sub_steps, self.tolerance);
         let done = self.partner.advance(&advance, &inputs, &mut outputs)?;
         let Report::Particles(report) = done.report else {
@@ -194,10 +195,35 @@ impl Engine {
             velocity: door::vectors(&velocity, "grain_velocity")?,
             mean_velocity: door::vectors(&mean, "grain_mean_velocity")?,
             contact: door::contacts(&contact, request.step)?,
+            spin,
             sub_steps: report.sub_steps.get(),
         };
         self.wall += begin.elapsed().as_secs_f64();
         Ok(candidate)
+    }
+
+    fn fetch<const D: usize>(
+        &mut self,
+        grains: &mut Grains<D>,
+        step: u64,
+    ) -> Result<(), CouplerError> {
+        let [mut contact, mut spin] = [const { Vec::new() }; 2];
+        let mut outputs = vec![
+            (Field::GrainContact, &mut contact),
+            (Field::GrainSpin, &mut spin),
+        ];
+        outputs.retain(|(field, _)| self.withheld.contains(field));
+        if outputs.is_empty() {
+            return Ok(());
+        }
+        self.partner.tell(&mut outputs)?;
+        if self.withheld.contains(&Field::GrainContact) {
+            grains.contact = door::contacts(&contact, step)?;
+        }
+        if self.withheld.contains(&Field::GrainSpin) {
+            grains.spin = spin;
+        }
+        Ok(())
     }
 }
 
@@ -216,6 +242,11 @@ fn can_move_walls(partner: &Partner, scene: &ParticleScene) -> Result<(), Couple
     })
 }
 
+/// 0 of every grain.
+fn no_spin<const D: usize>(grains: &Grains<D>) -> Vec<f64> {
+    vec![0.0; grains.count() * Field::GrainSpin.components(D)]
+}
+
 /// What an engine would answer for grains that are all fixed.
 fn stay<const D: usize>(position: &[Vector<D>]) -> Candidate<D> {
     let rest = vec![Vector::zeros(); position.len()];
@@ -224,6 +255,7 @@ fn stay<const D: usize>(position: &[Vector<D>]) -> Candidate<D> {
         velocity: rest.clone(),
         mean_velocity: rest,
         contact: vec![Contact::Held; position.len()],
+        spin: Vec::new(),
         sub_steps: 1,
     }
 }

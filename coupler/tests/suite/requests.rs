@@ -10,7 +10,7 @@ use protocol::engine::{
 };
 use protocol::field::Field;
 use protocol::local::{LIMITS, spawn_fluid, spawn_particles};
-use protocol::message::{Advance, Failure};
+use protocol::message::{Advance, Capability, Failure};
 use protocol::report::{FluidReport, ParticleReport};
 use protocol::scene::{
     Boundary, Convection, CouplerScene, Diagonals, DragLaw, FluidScene, Geometry, MeshSource,
@@ -27,7 +27,7 @@ impl FluidEngine for Still {
     fn identity(&self) -> (&'static str, &'static str) {
         ("still", "0")
     }
-    fn capabilities(&self) -> Vec<protocol::message::Capability> {
+    fn capabilities(&self) -> Vec<Capability> {
         Vec::new()
     }
     fn configure(&mut self, _: &FluidScene) -> Result<MeshDescription, Failure> {
@@ -66,6 +66,7 @@ impl FluidEngine for Still {
 /// One grain that touches something, and an engine that keeps what it is asked.
 struct Touching {
     asked: Asked,
+    able: Vec<Capability>,
     grains: InitialGrains,
 }
 
@@ -73,8 +74,8 @@ impl ParticleEngine for Touching {
     fn identity(&self) -> (&'static str, &'static str) {
         ("touching", "0")
     }
-    fn capabilities(&self) -> Vec<protocol::message::Capability> {
-        vec![protocol::message::Capability::ContactState]
+    fn capabilities(&self) -> Vec<Capability> {
+        self.able.clone()
     }
     fn configure(
         &mut self,
@@ -96,6 +97,7 @@ impl ParticleEngine for Touching {
         outputs.take(Field::GrainVelocity).fill(0.0);
         outputs.take(Field::GrainMeanVelocity).fill(0.0);
         outputs.take(Field::GrainContact).fill(1.0);
+        outputs.take(Field::GrainSpin).fill(request.step as f64);
         Ok(ParticleReport::one_step().into())
     }
     fn commit(&mut self) -> Result<(), Failure> {
@@ -178,10 +180,11 @@ fn one_grain() -> InitialGrains {
     }
 }
 
-fn couple(scheme: Scheme, asked: &Asked) -> Simulation<2, 3> {
-    let asked = Arc::clone(asked);
+fn couple(scheme: Scheme, asked: &Asked, able: &[Capability]) -> Simulation<2, 3> {
+    let (asked, able) = (Arc::clone(asked), able.to_vec());
     let particles = spawn_particles(move || Touching {
         asked,
+        able,
         grains: InitialGrains::default(),
     });
     let fluid = spawn_fluid(|| Still).expect("a fluid");
@@ -205,7 +208,7 @@ fn only_schemes_with_a_response_predict_contacts_before_the_first_pass() {
     println!("| scheme | passes asked of the grains in two steps |");
     for (scheme, expected) in cases {
         let asked = Asked::default();
-        let mut coupling = couple(scheme, &asked);
+        let mut coupling = couple(scheme, &asked, &[Capability::ContactState]);
         for _ in 0..2 {
             coupling
                 .advance(0.1)
@@ -214,5 +217,28 @@ fn only_schemes_with_a_response_predict_contacts_before_the_first_pass() {
         let passes = asked.lock().expect("one thread").clone();
         println!("| {scheme:?} | {passes:?} |");
         assert_eq!(passes, expected, "{scheme:?}");
+    }
+}
+
+#[test]
+fn spins_come_with_a_state_that_is_put_out_from_engines_that_have_them() {
+    for (able, told) in [
+        (vec![Capability::Spin], vec![2.0]),
+        (Vec::new(), Vec::new()),
+    ] {
+        let mut coupling = couple(Scheme::Staggered, &Asked::default(), &able);
+        let start = vec![0.0; told.len()];
+        assert_eq!(coupling.state.grains.spin, start);
+        for _ in 0..2 {
+            coupling
+                .advance(0.1)
+                .unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(coupling.state.grains.spin, start, "not with a step");
+        }
+        coupling
+            .fetch_unread()
+            .unwrap_or_else(|error| panic!("{error}"));
+        println!("{able:?}: {:?}", coupling.state.grains.spin);
+        assert_eq!(coupling.state.grains.spin, told);
     }
 }

@@ -49,6 +49,7 @@ pub fn grains<const D: usize>(count: usize) -> Grains<D> {
         velocity: some(100),
         mean_velocity: some(200),
         contact: vec![Default::default(); count],
+        spin: Vec::new(),
         contact_force: some(300),
         carried_force: some(400),
         mass: positive(6),

@@ -32,6 +32,7 @@ fn one_sphere_falls_with_the_slip_at_which_drag_carries_its_weight() {
         velocity: vec![Vector::zeros()],
         mean_velocity: vec![Vector::zeros()],
         contact: vec![Contact::Free],
+        spin: Vec::new(),
         contact_force: vec![Vector::zeros()],
         carried_force: vec![Vector::zeros()],
         mass: vec![heavy * shape.volume],
@@ -58,6 +59,7 @@ fn one_sphere_falls_with_the_slip_at_which_drag_carries_its_weight() {
                 velocity: velocity.clone(),
                 mean_velocity: velocity,
                 contact: vec![Contact::Free],
+                spin: Vec::new(),
                 sub_steps: 1,
             });
         }

@@ -61,6 +61,7 @@ impl ParticleEngine for Engine {
             Capability::ImplicitDrag,
             Capability::ContactState,
             Capability::Checkpoint,
+            Capability::Spin,
         ]
     }
 
@@ -152,6 +153,9 @@ impl ParticleEngine for Engine {
             mean_velocity[k] = (before[k] - start[k]) / request.dt;
         }
         outputs.take(Field::GrainPosition).copy_from_slice(&before);
+        for (grain, spin) in outputs.take(Field::GrainSpin).iter_mut().enumerate() {
+            *spin = candidate.spin(grain);
+        }
         let contacts = Contacts::of(candidate, model);
         outputs
             .take(Field::GrainContact)

@@ -201,13 +201,15 @@ impl World {
         [velocity.x, velocity.y]
     }
 
+    /// Angular velocity of a grain, counter-clockwise \[rad/s\].
+    pub fn spin(&self, grain: usize) -> f64 {
+        self.bodies[self.grains[grain]].angvel()
+    }
+
     /// Translational and rotational energy of all grains \[J\].
     pub fn kinetic_energy(&self, model: &Model) -> f64 {
         let energy = |grain: usize| {
-            let ([x, y], spin) = (
-                self.velocity(grain),
-                self.bodies[self.grains[grain]].angvel(),
-            );
+            let ([x, y], spin) = (self.velocity(grain), self.spin(grain));
             0.5 * (model.mass[grain] * (x * x + y * y) + model.inertia[grain] * spin * spin)
         };
         (0..self.grains.len()).map(energy).sum()

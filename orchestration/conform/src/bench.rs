@@ -150,11 +150,12 @@ impl<'a> Bench<'a> {
         withheld: &[Field],
     ) -> Result<Candidate, String> {
         let mut answer: Vec<(Field, Vec<f64>)> = self
-            .case
+            .partner
+            .hello()
             .answer()
-            .iter()
+            .into_iter()
             .filter(|field| !withheld.contains(field))
-            .map(|&field| (field, Vec::new()))
+            .map(|field| (field, Vec::new()))
             .collect();
         let mut outputs: Vec<(Field, &mut Vec<f64>)> = answer
             .iter_mut()

@@ -5,7 +5,6 @@ use std::time::Duration;
 
 use protocol::engine::InitialGrains;
 use protocol::field::Field;
-use protocol::field::{FROM_FLUID, FROM_PARTICLES};
 use protocol::message::{Advance, Capability, Role};
 use protocol::scene::{FluidScene, Geometry, Limits, ParticleScene};
 
@@ -105,14 +104,6 @@ impl Case {
     /// The limit as a duration.
     pub fn patience(&self) -> Duration {
         Duration::from_secs_f64(self.limit)
-    }
-
-    /// Fields that the coupler reads of a candidate.
-    pub fn answer(&self) -> &'static [Field] {
-        match self.role {
-            Role::Fluid => &FROM_FLUID,
-            Role::Particles => &FROM_PARTICLES,
-        }
     }
 
     /// Accuracy asked of contacts, of |g|Δt.

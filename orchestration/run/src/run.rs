@@ -178,6 +178,7 @@ impl Runner {
             processes,
             writer,
             interrupts: self.interrupts.clone(),
+            asked: scene.output.fields.as_deref().unwrap_or_default(),
             progress: match self.voice {
                 Voice::Aloud => Progress::new(scene.coupler.end_time),
                 Voice::Quiet => Progress::silent(scene.coupler.end_time),

@@ -10,7 +10,8 @@
 use std::time::{Duration, Instant};
 
 use nix::sys::signal::Signal;
-use protocol::message::ToOrchestrator;
+use protocol::field::Field;
+use protocol::message::{Hello, Role, ToOrchestrator};
 use protocol::monitor::MonitorReceiver;
 use protocol::runspace::RunSpace;
 use scene::error::exit_code;
@@ -41,6 +42,8 @@ pub struct Watch<'a> {
     pub writer: &'a Writer,
     /// Ctrl-C.
     pub interrupts: Interrupts,
+    /// Fields of states that the scene asks for by name.
+    pub asked: &'a [String],
     /// Shows how far the run is.
     pub progress: Progress,
     /// When the coupling began.
@@ -91,9 +94,12 @@ impl Watch<'_> {
             Ok(Some(event)) => {
                 state.messages += 1;
                 match &event.message {
-                    ToOrchestrator::Started { .. } => {
+                    ToOrchestrator::Started { engines, .. } => {
                         state.started = true;
                         self.began = Some(Instant::now());
+                        if let Some(words) = untold(self.asked, engines) {
+                            self.progress.say(&words);
+                        }
                     }
                     ToOrchestrator::Step(values) => self.progress.step(values),
                     ToOrchestrator::Finished(_) => state.hear(LastWord::Finished),
@@ -213,6 +219,21 @@ impl Watch<'_> {
         };
         evidence.verdict()
     }
+}
+
+/// A field that the scene asks for and these engines do not have: only they know.
+fn untold(asked: &[String], engines: &[Hello]) -> Option<String> {
+    let particles = engines.iter().find(|hello| hello.role == Role::Particles)?;
+    let optional = Field::GrainSpin;
+    let lacks =
+        asked.iter().any(|name| name == optional.name()) && !particles.answer().contains(&optional);
+    lacks.then(|| {
+        format!(
+            "warning: {} does not tell {}, which output.fields names: it is not written",
+            particles.engine,
+            optional.name()
+        )
+    })
 }
 
 /// Where the watch is.

@@ -12,4 +12,5 @@ mod processes;
 mod recordings;
 mod reports;
 mod stability;
+mod states;
 mod words;

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use protocol::Error;
 use protocol::engine::{InitialGrains, MeshDescription};
-use protocol::field::{BOUNDARY, FROM_FLUID, FROM_PARTICLES, Field, MESH};
+use protocol::field::{BOUNDARY, Field, MESH};
 use protocol::header::Stage;
 use protocol::message::{Advance, Configure, Hello, Role, ToCoupler, ToEngine};
 use protocol::partner::Partner;
@@ -183,17 +183,25 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
             }
             // One that keeps nothing back has sent it all with its candidate.
             ToEngine::Withhold { fields } if self.partner.may_withhold() => {
-                self.partner.withhold(&fields)?;
-                self.withheld = fields;
+                self.withheld = self.told_by_it(fields);
+                self.partner.withhold(&self.withheld)?;
             }
             ToEngine::Tell { fields } if self.partner.may_withhold() => {
-                self.answers = fields.iter().map(|&field| (field, Vec::new())).collect();
+                let fields = self.told_by_it(fields).into_iter();
+                self.answers = fields.map(|field| (field, Vec::new())).collect();
                 self.partner.tell(&mut outputs(&mut self.answers))?;
             }
             ToEngine::Withhold { .. } | ToEngine::Tell { .. } => {}
             ToEngine::Save { .. } | ToEngine::Finish => {}
         }
         Ok(())
+    }
+
+    /// Of these fields those that the engine has: another one than was recorded may lack some.
+    fn told_by_it(&self, mut fields: Vec<Field>) -> Vec<Field> {
+        let answer = self.partner.hello().answer();
+        fields.retain(|field| answer.contains(field));
+        fields
     }
 
     /// A failure of the engine is an answer, to be compared with the recorded one; a lost or silent
@@ -205,12 +213,9 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
         inputs: &[(Field, Vec<f64>)],
     ) -> Result<(), ReplayError> {
         self.time = request.time;
-        let wanted: &[Field] = match self.role {
-            Role::Fluid => &FROM_FLUID,
-            Role::Particles => &FROM_PARTICLES,
-        };
-        let sent = wanted.iter().filter(|field| !self.withheld.contains(field));
-        self.answers = sent.map(|&field| (field, Vec::new())).collect();
+        let mut sent = self.partner.hello().answer();
+        sent.retain(|field| !self.withheld.contains(field));
+        self.answers = sent.into_iter().map(|field| (field, Vec::new())).collect();
         let inputs: Vec<(Field, &[f64])> = inputs
             .iter()
             .map(|(field, values)| (*field, values.as_slice()))

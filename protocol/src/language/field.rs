@@ -32,6 +32,8 @@ pub enum Rank {
     CornerVectors,
     /// A vector a corner of the facet.
     FacetVectors,
+    /// One a plane of rotation: a number in the plane, a vector in space.
+    Spin,
 }
 
 /// The SI unit.
@@ -65,7 +67,7 @@ pub enum Exchange {
     ToParticles,
     /// A particle candidate, with `Done`.
     FromParticles,
-    /// The same, but nobody misses it.
+    /// The same, from engines that declare it ([`Hello::answer`](crate::message::Hello::answer)).
     MaybeFromParticles,
     /// The boundary of the mesh: fluid → coupler with `Ready`, where it tells facets.
     Boundary,
@@ -166,8 +168,8 @@ fields! {
     GrainVolume = 35 "grain_volume" Grain Scalar Unit::Grain { ball: "m³", disk: "m²" }, None, [Grains];
     /// 1: never moves, else 0.
     GrainFixed = 36 "grain_fixed" Grain Scalar Unit::Of("–"), None, [Grains];
-    /// Angular velocities, counter-clockwise.
-    GrainSpin = 37 "grain_spin" Grain Scalar Unit::Of("rad/s"), None, [MaybeFromParticles];
+    /// Angular velocities of the end of the step, in the plane counter-clockwise; 0 before the first.
+    GrainSpin = 37 "grain_spin" Grain Spin Unit::Of("rad/s"), None, [MaybeFromParticles];
 
     /// Drag coefficient γ, constant over the step, taken implicitly.
     GrainDrag = 40 "grain_drag" Grain Scalar Unit::Of("kg/s"), Some(0.0), [ToParticles];
@@ -335,6 +337,7 @@ impl Rank {
             Rank::Corners => dimension + 1,
             Rank::CornerVectors => dimension * (dimension + 1),
             Rank::FacetVectors => dimension * dimension,
+            Rank::Spin => dimension * (dimension - 1) / 2,
         }
     }
 }

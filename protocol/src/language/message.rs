@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::field::Field;
+use super::field::{FROM_FLUID, FROM_PARTICLES, Field};
 use super::report::Report;
 use super::scene::{FluidScene, ParticleScene};
 
@@ -27,6 +27,8 @@ pub enum Capability {
     MovingWalls,
     /// Fluid: steers the mean flow through periodic sides (`FluidScene::mean_flow`); others are not asked to.
     SteersMeanFlow,
+    /// Particles: every candidate has `GrainSpin`.
+    Spin,
 }
 
 /// First message of an engine.
@@ -44,6 +46,20 @@ pub struct Hello {
     pub process: u32,
     /// What it can do.
     pub capabilities: Vec<Capability>,
+}
+
+impl Hello {
+    /// Fields of its candidates: those of its seat, and those that it declares.
+    pub fn answer(&self) -> Vec<Field> {
+        let spins = self.capabilities.contains(&Capability::Spin);
+        match self.role {
+            Role::Fluid => FROM_FLUID.to_vec(),
+            Role::Particles => {
+                let spin = spins.then_some(Field::GrainSpin);
+                FROM_PARTICLES.into_iter().chain(spin).collect()
+            }
+        }
+    }
 }
 
 /// The scene's part of one engine. Particles receive their initial grains as fields with it:

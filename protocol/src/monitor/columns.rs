@@ -6,12 +6,13 @@
 use crate::language::field::Field;
 
 /// Fields of a state in the files for ParaView, where the scene has nodes or grains.
-pub const WRITTEN: [Field; 9] = [
+pub const WRITTEN: [Field; 10] = [
     Field::InterstitialVelocity,
     Field::Pressure,
     Field::Porosity,
     Field::GrainPosition,
     Field::GrainVelocity,
+    Field::GrainSpin,
     Field::GrainContact,
     Field::GrainRadius,
     Field::GrainMass,

@@ -17,6 +17,7 @@ fn numbers(spec: &FieldSpec) -> String {
         Rank::Corners => format!("(d + 1) {each}"),
         Rank::CornerVectors => format!("d (d + 1) {each}"),
         Rank::FacetVectors => format!("d d {each}"),
+        Rank::Spin => format!("d (d − 1)/2 {each}"),
     }
 }
 

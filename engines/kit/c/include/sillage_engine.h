@@ -94,6 +94,11 @@
 #define SILLAGE_FIELD_GRAIN_MEAN_VELOCITY 32
 
 /*
+ Angular velocities of the end of the step, in the plane counter-clockwise; 0 before the first. (rad/s; spin)
+ */
+#define SILLAGE_FIELD_GRAIN_SPIN 37
+
+/*
  Drag coefficient γ, constant over the step, taken implicitly. (kg/s; scalar)
  */
 #define SILLAGE_FIELD_GRAIN_DRAG 40
@@ -138,6 +143,11 @@
  Both: save and restore bring back the same bits.
  */
 #define SILLAGE_CHECKPOINT 3
+
+/*
+ Particles: every candidate has the spins.
+ */
+#define SILLAGE_SPIN 4
 
 /*
  The scene's part is not usable (exit code 2).
@@ -682,7 +692,7 @@ void sillage_engine_free(struct sillage_engine *engine);
 
 /*
  Declare what the engine can do, before it runs: one of SILLAGE_AFFINE_RESPONSE,
- SILLAGE_IMPLICIT_DRAG, SILLAGE_CONTACT_STATE, SILLAGE_CHECKPOINT. Returns 0 or -1.
+ SILLAGE_IMPLICIT_DRAG, SILLAGE_CONTACT_STATE, SILLAGE_CHECKPOINT, SILLAGE_SPIN. Returns 0 or -1.
 
  # Safety
 

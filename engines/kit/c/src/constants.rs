@@ -11,6 +11,8 @@ pub const SILLAGE_IMPLICIT_DRAG: u32 = 1;
 pub const SILLAGE_CONTACT_STATE: u32 = 2;
 /// Both: save and restore bring back the same bits.
 pub const SILLAGE_CHECKPOINT: u32 = 3;
+/// Particles: every candidate has the spins.
+pub const SILLAGE_SPIN: u32 = 4;
 
 /// The scene's part is not usable (exit code 2).
 pub const SILLAGE_FAILURE_SCENE: u32 = 2;

@@ -10,7 +10,7 @@ use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
 use crate::constants::{
     SILLAGE_ABI_VERSION, SILLAGE_AFFINE_RESPONSE, SILLAGE_CHECKPOINT, SILLAGE_CONTACT_STATE,
     SILLAGE_FAILURE_ENGINE, SILLAGE_FAILURE_NOT_CONVERGED, SILLAGE_FAILURE_NOT_FINITE,
-    SILLAGE_FAILURE_SCENE, SILLAGE_IMPLICIT_DRAG,
+    SILLAGE_FAILURE_SCENE, SILLAGE_IMPLICIT_DRAG, SILLAGE_SPIN,
 };
 
 /// Returned when something went wrong; why is in the last error.
@@ -213,7 +213,7 @@ pub unsafe extern "C" fn sillage_engine_free(engine: *mut Engine) {
 }
 
 /// Declare what the engine can do, before it runs: one of SILLAGE_AFFINE_RESPONSE,
-/// SILLAGE_IMPLICIT_DRAG, SILLAGE_CONTACT_STATE, SILLAGE_CHECKPOINT. Returns 0 or -1.
+/// SILLAGE_IMPLICIT_DRAG, SILLAGE_CONTACT_STATE, SILLAGE_CHECKPOINT, SILLAGE_SPIN. Returns 0 or -1.
 ///
 /// # Safety
 ///
@@ -228,7 +228,8 @@ pub unsafe extern "C" fn sillage_engine_declare(engine: *mut Engine, capability:
             SILLAGE_IMPLICIT_DRAG => Capability::ImplicitDrag,
             SILLAGE_CONTACT_STATE => Capability::ContactState,
             SILLAGE_CHECKPOINT => Capability::Checkpoint,
-            other => return Err(format!("capability {other} is not known, 0 to 3 are")),
+            SILLAGE_SPIN => Capability::Spin,
+            other => return Err(format!("capability {other} is not known, 0 to 4 are")),
         };
         let mut state = engine.state();
         if !state.capabilities.contains(&capability) {

@@ -96,6 +96,7 @@ fn numbers_of_fields() -> String {
         Exchange::FromFluid,
         Exchange::ToParticles,
         Exchange::FromParticles,
+        Exchange::MaybeFromParticles,
     ];
     let mut text = String::new();
     for spec in FIELDS {
@@ -107,6 +108,7 @@ fn numbers_of_fields() -> String {
             let name = spec.name.to_uppercase();
             let rank = match spec.rank {
                 Rank::Scalar => "scalar",
+                Rank::Spin => "spin",
                 _ => "vector",
             };
             text += &format!(

@@ -76,6 +76,7 @@ fn capability(name: &str) -> PyResult<Capability> {
         ("convection-as-needed", Capability::ConvectionAsNeeded),
         ("moving-walls", Capability::MovingWalls),
         ("steers-mean-flow", Capability::SteersMeanFlow),
+        ("spin", Capability::Spin),
     ];
     let found = known.iter().find(|(known, _)| *known == name);
     found.map(|&(_, capability)| capability).ok_or_else(|| {

@@ -7,7 +7,7 @@
 use std::ffi::{c_int, c_void};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use protocol::field::{Field, Rank};
+use protocol::field::Field;
 use pyo3::exceptions::PyBufferError;
 use pyo3::ffi;
 use pyo3::prelude::*;
@@ -42,10 +42,7 @@ impl Buffer {
             name: field.name(),
             address,
             read_only,
-            dimensions: match field.spec().rank {
-                Rank::Scalar => 1,
-                _ => 2,
-            },
+            dimensions: if components == 1 { 1 } else { 2 },
             shape: [(count / components) as isize, components as isize],
             strides: [components as isize * SIZE, SIZE],
             open: AtomicBool::new(true),

@@ -7,7 +7,7 @@ use std::thread::ThreadId;
 use protocol::engine::InitialGrains;
 use protocol::field::Field;
 use protocol::local;
-use protocol::message::{Advance, Role};
+use protocol::message::Advance;
 use protocol::partner::Partner;
 use protocol::report::Report;
 use protocol::scene::{FluidScene, ParticleScene};
@@ -24,7 +24,6 @@ use crate::{failure, role_of};
 pub struct Driver {
     partner: Option<Here<Partner>>,
     home: ThreadId,
-    role: Role,
 }
 
 /// Something that stays on its thread, where more is asked for.
@@ -133,7 +132,6 @@ impl Driver {
         Ok(Driver {
             partner: Some(Here(partner)),
             home: std::thread::current().id(),
-            role,
         })
     }
 
@@ -195,18 +193,16 @@ impl Driver {
         for (name, array) in &inputs {
             given.push((field(name)?, array.to_vec(py)?));
         }
-        let wanted: &[Field] = match self.role {
-            Role::Fluid => &protocol::field::FROM_FLUID,
-            Role::Particles => &protocol::field::FROM_PARTICLES,
-        };
-        let mut values = vec![Vec::new(); wanted.len()];
-        let done = self.with(py, |partner| {
+        let (wanted, done, values) = self.with(py, |partner| {
+            let wanted = partner.hello().answer();
+            let mut values = vec![Vec::new(); wanted.len()];
             let given: Vec<(Field, &[f64])> = given
                 .iter()
                 .map(|(field, values)| (*field, values.as_slice()))
                 .collect();
             let mut outputs: Vec<_> = wanted.iter().copied().zip(values.iter_mut()).collect();
-            partner.advance(&request, &given, &mut outputs)
+            let done = partner.advance(&request, &given, &mut outputs)?;
+            Ok((wanted, done, values))
         })?;
         let fields = wanted.iter().zip(&values);
         let fields = fields.map(|(field, values)| (field.name().to_owned(), bytes(py, values)));

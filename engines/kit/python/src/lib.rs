@@ -48,6 +48,7 @@ fn fields() -> Vec<(&'static str, &'static str, Option<f64>, Vec<&'static str>)>
         let rank = match spec.rank {
             Rank::Scalar => "scalar",
             Rank::Vector => "vector",
+            Rank::Spin => "spin",
             Rank::Corners | Rank::CornerVectors | Rank::FacetVectors => "corners",
         };
         let sent = spec.sent.iter().map(|exchange| match exchange {

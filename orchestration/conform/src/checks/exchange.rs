@@ -95,9 +95,10 @@ fn hello(case: &Case) -> Result<(), Trouble> {
             Capability::AffineResponse
             | Capability::ConvectionAsNeeded
             | Capability::SteersMeanFlow => case.role != Role::Fluid,
-            Capability::ImplicitDrag | Capability::ContactState | Capability::MovingWalls => {
-                case.role != Role::Particles
-            }
+            Capability::ImplicitDrag
+            | Capability::ContactState
+            | Capability::MovingWalls
+            | Capability::Spin => case.role != Role::Particles,
             Capability::Checkpoint | Capability::FieldsOnRequest => false,
         };
         if foreign || hello.capabilities[..place].contains(capability) {

@@ -307,8 +307,7 @@ fn withheld(case: &Case) -> Result<(), Trouble> {
         bench.commit(step)?;
     }
     let mut bench = Bench::ready(case)?;
-    let last = case.answer().last().copied().into_iter();
-    let fields: Vec<Field> = last.collect();
+    let fields: Vec<Field> = bench.partner.hello().answer().pop().into_iter().collect();
     let withheld = bench.partner.withhold(&fields);
     withheld.map_err(|error| bench.explain(&error))?;
     for (step, always) in (1..).zip(&always) {

@@ -558,7 +558,7 @@ fn an_unknown_output_field_is_refused() {
         "no field of this name is written",
         "interstitial_velocity, pressure",
     ];
-    for name in ["grain_force", "grain_spin", "drag", "nodal_mass"] {
+    for name in ["grain_force", "grain_drag", "drag", "nodal_mass"] {
         let text = format!("{CLEAR_FLUID}[output]\nfields = [\"{name}\"]\n");
         assert_names(&refusal(&text, &[]), &[&[name], &written[..]].concat());
     }

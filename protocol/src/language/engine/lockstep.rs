@@ -27,16 +27,17 @@ fn fatal(trouble: Trouble) -> Trouble {
 }
 
 pub(crate) fn serve<S: Seat>(seat: &mut S, link: Box<dyn Channel>) -> Result<(), Error> {
-    let mut session = Session::new(link, S::ROLE.seat());
     let (engine, version) = seat.identity();
-    session.say_hello(Hello {
+    let hello = Hello {
         role: S::ROLE,
         engine: engine.to_owned(),
         version: version.to_owned(),
         protocol: PROTOCOL_VERSION,
         process: std::process::id(),
         capabilities: [seat.capabilities(), vec![Capability::FieldsOnRequest]].concat(),
-    })?;
+    };
+    let mut session = Session::new(link, &hello);
+    session.say_hello(hello)?;
     loop {
         let message = session.receive(session.idle)?;
         let result = match message {
@@ -88,16 +89,16 @@ fn handle<S: Seat>(seat: &mut S, session: &mut Session, message: ToEngine) -> Re
             session.withheld.moment = None;
             session.send(&ToCoupler::Stored)?;
         }
-        ToEngine::Withhold { fields } => withhold::<S>(session, &fields)?,
+        ToEngine::Withhold { fields } => withhold(session, &fields)?,
         ToEngine::Tell { fields } => tell(session, fields)?,
         ToEngine::Finish => {}
     }
     Ok(())
 }
 
-fn withhold<S: Seat>(session: &mut Session, fields: &[Field]) -> Result<(), Trouble> {
+fn withhold(session: &mut Session, fields: &[Field]) -> Result<(), Trouble> {
     for (place, field) in fields.iter().enumerate() {
-        if !S::ANSWER.contains(field) || fields[..place].contains(field) {
+        if !session.answer.contains(field) || fields[..place].contains(field) {
             return Err(out_of_order(format!(
                 "Withhold of {}, which is named twice or is not of a candidate",
                 field.name()
@@ -152,7 +153,7 @@ fn advance<S: Seat>(seat: &mut S, session: &mut Session, request: &Advance) -> R
         ..given
     };
     session.withheld.moment = None;
-    let (fields, mut loans) = loan::<S>(session, answered)?;
+    let (fields, mut loans) = loan(session, answered)?;
     let begin = Instant::now();
     let result = guarded(|| {
         let outputs = room(&fields, &mut loans, &mut session.withheld.fields);
@@ -212,9 +213,9 @@ fn checked<'a>(
 type Loans = (Vec<Field>, Vec<Box<dyn Loan>>);
 
 /// Buffers for the candidate; those of withheld fields are made ready too.
-fn loan<S: Seat>(session: &mut Session, answered: Moment) -> Result<Loans, Error> {
+fn loan(session: &mut Session, answered: Moment) -> Result<Loans, Error> {
     let (mut fields, mut loans) = (Vec::new(), Vec::new());
-    for &field in S::ANSWER {
+    for &field in &session.answer {
         if !session.withheld.has(field) {
             let header = session.counts.expect(field, answered).header();
             loans.push(session.channel.loan_field(field, header)?);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::language::field::{FROM_FLUID, FROM_PARTICLES, Field};
+use crate::language::field::Field;
 use crate::language::header::Stage;
 use crate::language::message::{
     Advance, Capability, Configure, Diagnostic, Failure, FailureKind, Ready, Role,
@@ -100,7 +100,6 @@ fn send_all(fields: &[(Field, &[f64])], session: &mut Session) -> Result<(), Tro
 
 impl<E: FluidEngine> Seat for FluidSeat<'_, E> {
     const ROLE: Role = Role::Fluid;
-    const ANSWER: &'static [Field] = &FROM_FLUID;
 
     fn identity(&self) -> (&'static str, &'static str) {
         self.0.identity()
@@ -187,7 +186,6 @@ fn given_grains(
 
 impl<E: ParticleEngine> Seat for ParticleSeat<'_, E> {
     const ROLE: Role = Role::Particles;
-    const ANSWER: &'static [Field] = &FROM_PARTICLES;
 
     fn identity(&self) -> (&'static str, &'static str) {
         self.0.identity()

@@ -29,8 +29,6 @@ const KNOCK: Duration = Duration::from_millis(50);
 /// An engine of either role, seen from the loop.
 pub(crate) trait Seat {
     const ROLE: Role;
-    /// Fields of a candidate.
-    const ANSWER: &'static [Field];
     fn identity(&self) -> (&'static str, &'static str);
     fn capabilities(&self) -> Vec<Capability>;
     /// Configure; sends the fields of `Ready`.
@@ -89,6 +87,8 @@ pub(crate) fn guarded<T>(call: impl FnOnce() -> Result<T, Failure>) -> Result<T,
 pub(crate) struct Session {
     pub channel: Box<dyn Channel>,
     pub counts: Counts,
+    /// Fields of a candidate.
+    pub(crate) answer: Vec<Field>,
     pub(crate) who: &'static str,
     pub(crate) step: u64,
     pub(crate) pass: u32,
@@ -149,14 +149,15 @@ impl Cost {
 }
 
 impl Session {
-    /// Of an engine in the seat `who`.
-    pub(crate) fn new(channel: Box<dyn Channel>, who: &'static str) -> Session {
+    /// Of an engine that introduces itself like this.
+    pub(crate) fn new(channel: Box<dyn Channel>, hello: &Hello) -> Session {
         const CONNECT: f64 = 60.0;
         const IDLE: f64 = 86_400.0;
         Session {
             channel,
             counts: Counts::default(),
-            who,
+            answer: hello.answer(),
+            who: hello.role.seat(),
             step: 0,
             pass: 0,
             connect: seconds(limit("SILLAGE_CONNECT_LIMIT", CONNECT)),

@@ -90,17 +90,17 @@ impl CouplerScene {
         }
     }
 
-    /// Fields of this engine's candidates that are not read in every pass: pressure and, where the fluid
-    /// does not feel the grains, contact states with a state that is put out; the pressure gradient, which
-    /// only grains feel, never.
+    /// Fields of this engine's candidates that are not read in every pass: pressure, spins and, where the
+    /// fluid does not feel the grains, contact states with a state that is put out; the pressure gradient,
+    /// which only grains feel, never.
     pub fn unread(&self, role: Role) -> &'static [Field] {
         let felt = self.fluid.is_some() && self.reaction;
         match role {
             _ if !self.has_process(role) => &[],
             Role::Fluid if self.particles.is_some() => &[Field::Pressure],
             Role::Fluid => &[Field::Pressure, Field::PressureGradient],
-            Role::Particles if felt => &[],
-            Role::Particles => &[Field::GrainContact],
+            Role::Particles if felt => &[Field::GrainSpin],
+            Role::Particles => &[Field::GrainContact, Field::GrainSpin],
         }
     }
 }

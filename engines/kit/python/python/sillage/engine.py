@@ -33,7 +33,8 @@ class _Engine:
     #: the free velocity and in the contact operator), ``"contact-state"`` (grains: ``grain_contact`` is
     #: 2 where a wall holds a grain), ``"checkpoint"`` (``restore`` brings back the same bits),
     #: ``"convection-as-needed"`` (``scene["convection"]`` may be ``"auto"``: left out while small),
-    #: ``"moving-walls"`` (grains: the ``velocity`` of a wall, where it has one, enters the friction).
+    #: ``"moving-walls"`` (grains: the ``velocity`` of a wall, where it has one, enters the friction),
+    #: ``"spin"`` (grains: every candidate has ``grain_spin``).
     capabilities = ()
 
     def commit(self):
@@ -91,7 +92,8 @@ class ParticleEngine(_Engine):
         ``inputs`` (:class:`sillage.Fields`, g grains in d dimensions): ``grain_drag`` γ [kg/s, g],
         ``grain_force`` q [N, g × d]. ``outputs``: ``grain_position`` [m, g × d], ``grain_velocity`` at the
         end [m/s, g × d], ``grain_mean_velocity`` (displacement over dt, before periodic wrapping) [m/s, g × d],
-        ``grain_contact`` (0 free, 1 touches, 2 held by a wall) [g]; all must be written.
+        ``grain_contact`` (0 free, 1 touches, 2 held by a wall) [g], with the capability ``"spin"`` also
+        ``grain_spin`` (counter-clockwise) [rad/s, g]; all must be written.
 
         Returns a :class:`sillage.ParticleReport` with the sub-steps that were taken (1 where the step is
         not cut): the coupler models the drag over them. Exceptions as in :meth:`FluidEngine.advance`.
