@@ -105,7 +105,7 @@ where
             .max(observe::speed_max(&simulation.state.flow.velocity));
         let dt = clock.next_step(simulation.state.time, speed, cell);
         let meter = Meter::start(&simulation.system);
-        let report = step_with_retries(simulation, &mut clock, dt)?;
+        let report = step_with_retries(simulation, &mut clock, listener, dt)?;
         let cost = meter.stop(&simulation.system);
         totals.add(&report, &cost);
         listener.step(observe::columns(simulation, &report, &cost))?;
@@ -123,10 +123,13 @@ where
     Ok(())
 }
 
-/// One step; a step that fails is tried again with half its length, as far as the clock allows.
+/// One step; a step that fails is tried again with half its length, as far as the clock allows and until a
+/// stop is asked for: the last accepted step is then the last one. Its state is not put out, engines that
+/// have begun another step cannot tell it.
 fn step_with_retries<const D: usize, const N: usize>(
     simulation: &mut Simulation<D, N>,
     clock: &mut Clock,
+    listener: &mut Listener,
     dt: f64,
 ) -> Result<StepReport, CouplerError>
 where
@@ -143,6 +146,10 @@ where
             return Err(no_smaller(error, step, 0.5 * dt, clock.step_min()));
         };
         tracing::warn!(step, dt, smaller, %error, "step halved");
+        if listener.stop_requested() {
+            let step = simulation.state.step;
+            return Err(CouplerError::Interrupted { step });
+        }
         dt = smaller;
     }
 }

@@ -285,3 +285,40 @@ fn json_output_is_one_document() {
     assert_eq!(document["steps"], 20);
     assert_eq!(document["exit"]["meaning"], "ok");
 }
+
+#[test]
+fn an_interruption_ends_a_step_that_is_halved_again_and_again_before_its_next_try() {
+    // Passes that are never exact enough: every try fails, 33 of them down to 1e-12 s.
+    let settings = [
+        "coupling.scheme={ iterated = { tolerance = 1e-30, passes_max = 60 } }",
+        "coupling.adaptive={ step_min = 1e-12, step_max = 5e-3, courant = 0.5 }",
+        "output.frames=false",
+    ];
+    let scene = root().join("scenes/fluidised-bed.toml");
+    let mut arguments = vec![scene.to_string_lossy().into_owned()];
+    for setting in settings {
+        arguments.extend(["--set".to_owned(), setting.to_owned()]);
+    }
+    let mut run = Run::start(&arguments);
+    let log = run.folder.path().join("logs/coupler.log");
+    let halvings = || {
+        let text = std::fs::read_to_string(&log).unwrap_or_default();
+        text.matches("step halved").count()
+    };
+    while halvings() == 0 {
+        assert!(run.child.try_wait().expect("status").is_none());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let before = halvings();
+    kill(Pid::from_raw(run.child.id() as i32), Signal::SIGINT).expect("signalled");
+    let (code, words, elapsed, folder) = run.finish();
+    let text = std::fs::read_to_string(folder.path().join("logs/coupler.log")).expect("a log");
+    let after = text.matches("step halved").count();
+    println!("{before} halvings, {after} at the end, {elapsed:?}: {words}");
+    assert_eq!(code, Some(130));
+    assert!(after <= before + 2, "{after}");
+    assert!(
+        words.contains("interrupted: stopped after step 0"),
+        "{words}"
+    );
+}
