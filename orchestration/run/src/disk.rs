@@ -20,7 +20,7 @@ pub enum Trouble {
     /// Well.
     #[default]
     None,
-    /// Something cannot be written, and is tried again: what, and why.
+    /// Something cannot be written, and is tried again: what, why, and for how long.
     Waiting(String),
     /// Something could not be written for too long, or nobody waits any more: nothing more is written. The
     /// exit code that follows, and why.
@@ -85,10 +85,15 @@ impl Disk {
             Trouble::GivenUp(code, why) => Trouble::GivenUp(*code, why.clone()),
             _ if since >= self.patience => {
                 let seconds = self.patience.as_secs_f64();
-                let why = format!("{error}, also after {seconds:.0} s of trying");
+                let why = format!("{error}, also after {seconds} s of trying");
                 Trouble::GivenUp(error.exit_code(), why)
             }
-            _ => Trouble::Waiting(error.to_string()),
+            _ => {
+                let seconds = self.patience.as_secs_f64();
+                Trouble::Waiting(format!(
+                    "{error}; the run waits for it, {seconds} s at most"
+                ))
+            }
         };
     }
 
@@ -109,10 +114,7 @@ impl Teller {
         match trouble {
             Trouble::Waiting(why) if !self.told => {
                 self.told = true;
-                let seconds = PATIENCE.as_secs();
-                Some(format!(
-                    "warning: {why}; the run waits for it, {seconds} s at most"
-                ))
+                Some(format!("warning: {why}"))
             }
             Trouble::None if self.told => {
                 self.told = false;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::{Instant, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 use protocol::monitor::MonitorReceiver;
 use protocol::runspace::RunSpace;
@@ -17,15 +17,19 @@ use crate::folder::document::{self, Ending};
 use crate::folder::draw::Pictures;
 use crate::folder::lock::Lock;
 use crate::folder::previous::{NOT_STARTED, Previous};
+use crate::folder::reserve::Reserve;
 use crate::folder::run_folder::RunFolder;
 use crate::folder::writer::Writer;
 use crate::interrupt::Interrupts;
 use crate::launch::{self, Process};
 use crate::limits::require_open_files;
-use crate::progress::{self, Progress};
+use crate::progress::Progress;
 use crate::tell;
 use crate::verdict::Verdict;
 use crate::watch::Watch;
+
+/// What `run.json` may grow by until the end: engines, costs, extremes, totals, and why it ended \[bytes\].
+const LAST_WORD: usize = 1 << 16;
 
 /// A run that was started and is over.
 pub struct Outcome {
@@ -62,6 +66,8 @@ pub struct Runner {
     pub voice: Voice,
     /// What draws.
     pub pictures: Pictures,
+    /// How long a disk that is full is waited for.
+    pub patience: Duration,
 }
 
 impl Runner {
@@ -71,6 +77,7 @@ impl Runner {
             interrupts: Interrupts::count()?,
             voice,
             pictures,
+            patience: PATIENCE,
         })
     }
 
@@ -83,10 +90,10 @@ impl Runner {
         // A folder that cannot be used is a wrong --out, found before anything is computed.
         let unusable = |error: Error| Error::Usage(error.to_string());
         let _lock = Lock::take(path).map_err(unusable)?;
-        let folder = prepare(path, scene).map_err(unusable)?;
+        let (folder, reserve) = prepare(path, scene).map_err(unusable)?;
         self.say(&format!("{} → {}", scene.name, path.display()));
 
-        let disk = Disk::new(PATIENCE);
+        let disk = Disk::new(self.patience);
         let writer = Writer::start(folder, (self.pictures)(scene, path), disk.clone());
         let mut used = Used::default();
         let mut verdict = self.follow(scene, path, &writer, &mut used);
@@ -110,10 +117,7 @@ impl Runner {
             phases: used.phases,
         };
         let document = document::document(scene, &folder, Some(&ending));
-        let told = match disk.trouble() {
-            Trouble::GivenUp(..) => document::write(path, &document),
-            _ => disk.attempt(|| document::write(path, &document)),
-        };
+        let told = last_word(path, reserve, &disk, &document);
         match (told, ending.code) {
             (Err(error), exit_code::OK) => return Err(error),
             (Err(error), _) => tell!("sillage: {error}"),
@@ -264,20 +268,23 @@ pub fn fresh_folder(name: &str) -> Result<PathBuf, Error> {
     unreachable!("the loop ends with a folder or an error")
 }
 
-/// Set an earlier run aside and write what is known before the run; when that fails the earlier one is back.
-fn prepare(path: &Path, scene: &Scene) -> Result<RunFolder, Error> {
+/// Set an earlier run aside and write what is known before the run, and keep room for what will be known
+/// after it; when that fails the earlier one is back.
+fn prepare(path: &Path, scene: &Scene) -> Result<(RunFolder, Reserve), Error> {
     let previous = Previous::set_aside(path)?;
     // First of all, so that a folder that is left half made is known as one of ours.
     let mark = json!({ "versions": document::versions() });
     let written = document::write(path, &mark).and_then(|()| {
         let folder = RunFolder::create(path, scene)?;
-        document::write(path, &document::document(scene, &folder, None))?;
-        Ok(folder)
+        let document = document::document(scene, &folder, None);
+        document::write(path, &document)?;
+        let reserve = Reserve::take(path, document::text(&document).len() + LAST_WORD)?;
+        Ok((folder, reserve))
     });
     match (written, previous) {
-        (Ok(mut folder), previous) => {
+        (Ok((mut folder, reserve)), previous) => {
             folder.replaces(previous);
-            Ok(folder)
+            Ok((folder, reserve))
         }
         (Err(error), previous) => {
             previous.map_or(Ok(()), Previous::restore)?;
@@ -286,11 +293,20 @@ fn prepare(path: &Path, scene: &Scene) -> Result<RunFolder, Error> {
     }
 }
 
+/// The last `run.json`; room for it was kept.
+fn last_word(path: &Path, reserve: Reserve, disk: &Disk, document: &Value) -> Result<(), Error> {
+    let told = reserve.spend(&document::place(path), &document::text(document));
+    match (told, disk.trouble()) {
+        (Err(error), Trouble::GivenUp(..)) => Err(error),
+        (Err(_), _) => disk.attempt(|| document::write(path, document)),
+        (Ok(()), _) => Ok(()),
+    }
+}
+
 /// What the folder lacks goes before how the run itself ended, unless that was worse.
 fn incomplete(verdict: &mut Verdict, error: &Error, folder: &RunFolder) {
-    let (steps, time) = (folder.summary().steps, folder.summary().time);
-    let time = progress::digits(time);
-    let why = format!("{error}; what is written is complete to step {steps}, t = {time} s");
+    let reached = folder.reached();
+    let why = format!("{error}; what is written is complete to {reached}");
     match verdict.code {
         exit_code::OK => {
             *verdict = Verdict {

@@ -5,6 +5,7 @@ mod browser;
 mod commands;
 mod costs;
 mod folders;
+mod full_disk;
 mod kills;
 mod leaving_out;
 mod meshes;

@@ -21,6 +21,7 @@ pub const RUN: Claim = Claim {
     mark: "run.json",
     parts: &[
         ".lock",
+        ".reserve",
         ".previous",
         ".discarded",
         "not-started",

@@ -1,7 +1,7 @@
 //! `run.json`: what was run, by what, on what, at which cost, and how it ended.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use protocol::message::Hello;
@@ -98,9 +98,19 @@ fn engine(hello: &Hello) -> Value {
     })
 }
 
+/// Its text.
+pub fn text(document: &Value) -> String {
+    format!("{document:#}\n")
+}
+
+/// Where it stands in a folder.
+pub fn place(folder: &Path) -> PathBuf {
+    folder.join("run.json")
+}
+
 /// Write `run.json`.
-pub fn write(path: &Path, document: &Value) -> Result<(), Error> {
-    file::write(&path.join("run.json"), format!("{document:#}\n"))
+pub fn write(folder: &Path, document: &Value) -> Result<(), Error> {
+    file::write(&place(folder), text(document))
 }
 
 fn seconds_since_1970() -> u64 {

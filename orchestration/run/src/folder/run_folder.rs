@@ -10,6 +10,7 @@
 //! | `exchange.mcap` | all that the processes exchanged, when it is recorded |
 //! | `logs/` | what the processes said |
 //! | `.lock` | held by the run that writes here |
+//! | `.reserve` | room for the last `run.json`, while the run goes on |
 //! | `.previous/`, `not-started/` | an earlier run until this one has started; what one left that did not |
 
 use std::path::{Path, PathBuf};
@@ -24,6 +25,7 @@ use super::previous::Previous;
 use super::steps::{Steps, Summary};
 use crate::disk::Disk;
 use crate::file;
+use crate::progress;
 use crate::vtu::mesh::Mesh;
 use crate::vtu::write::{self, Series, Style};
 
@@ -40,6 +42,8 @@ pub struct RunFolder {
     mesh: Option<Mesh>,
     grain_radius: Vec<f64>,
     snapshots: usize,
+    /// Time of the last state that is written as a whole \[s\].
+    states_to: Option<f64>,
     previous: Option<Previous>,
     /// Who took part.
     pub engines: Vec<Hello>,
@@ -73,6 +77,7 @@ impl RunFolder {
             mesh: None,
             grain_radius: Vec::new(),
             snapshots: 0,
+            states_to: None,
             previous: None,
             engines: Vec::new(),
             totals: Vec::new(),
@@ -167,7 +172,18 @@ impl RunFolder {
             self.grain_series
                 .add(time, &format!("vtu/grains_{number:04}.vtu"), &content, disk)?;
         }
+        self.states_to = Some(time);
         Ok(())
+    }
+
+    /// Up to where it is complete.
+    pub fn reached(&self) -> String {
+        let Summary { steps, time, .. } = self.summary();
+        let states = self.states_to.map_or("no state".to_owned(), |time| {
+            format!("states to t = {} s", progress::digits(time))
+        });
+        let time = progress::digits(*time);
+        format!("step {steps}, t = {time} s, {states}")
     }
 }
 

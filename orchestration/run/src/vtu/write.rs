@@ -2,7 +2,7 @@
 //! times, rewritten after every state so that a running computation can be looked at.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -211,10 +211,11 @@ impl Series {
         }
     }
 
-    /// Write a state and list it; `name` is relative to the folder of the list.
+    /// Write a state and list it; `name` is relative to the folder of the list. A state that cannot be listed
+    /// does not stay.
     pub fn add(&mut self, time: f64, name: &str, content: &str, disk: &Disk) -> Result<(), Error> {
-        let folder = self.path.parent().unwrap_or(Path::new("."));
-        disk.write(&folder.join(name), content)?;
+        let state = self.path.with_file_name(name);
+        disk.write(&state, content)?;
         self.entries.push((time, name.to_string()));
         let mut xml = String::from(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
@@ -226,7 +227,9 @@ impl Series {
             );
         }
         xml += "</Collection>\n</VTKFile>\n";
-        disk.write(&self.path, &xml)
+        disk.write(&self.path, &xml).inspect_err(|_| {
+            let _ = std::fs::remove_file(&state);
+        })
     }
 }
 
