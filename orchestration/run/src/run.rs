@@ -150,14 +150,17 @@ impl Runner {
         }
     }
 
-    /// Wait until the folder is written; another interruption ends the wait.
+    /// Wait until the folder is written; another interruption ends the wait, and where a second one came
+    /// before, a disk that is full is not waited for.
     fn finish(&self, writer: Writer) -> Result<(RunFolder, Result<(), Error>), Error> {
         let (mut teller, before) = (Teller::default(), self.interrupts.so_far());
         writer.finish(|disk| {
-            if let Some(words) = teller.look(&disk.trouble()) {
+            let trouble = disk.trouble();
+            if let Some(words) = teller.look(&trouble) {
                 self.say(&words);
             }
-            if self.interrupts.so_far() > before {
+            let count = self.interrupts.so_far();
+            if count > before || count > 1 && matches!(trouble, Trouble::Waiting(_)) {
                 let why = "interrupted while the folder was written";
                 disk.abandon(exit_code::INTERRUPTED, why);
             }

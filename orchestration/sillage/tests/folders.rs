@@ -4,9 +4,9 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::time::Duration;
 
-use rustix::process::{Pid, Resource, Rlimit, prlimit};
+use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process, prlimit};
 
-use crate::background::{Run, need_programs, report, root, small_cloud};
+use crate::background::{LEAVING_MAX, Run, need_programs, report, root, small_cloud};
 
 /// Let a process write no file beyond so many bytes; none: as many as it likes.
 fn limit_files(pid: u32, bytes: Option<u64>) {
@@ -69,6 +69,27 @@ fn a_disk_that_is_full_for_two_seconds_costs_time_and_no_data() {
             assert!(folder.path().join(&file).exists(), "{file}");
         }
     }
+}
+
+#[test]
+fn a_second_interruption_ends_the_wait_for_a_disk_that_is_full() {
+    let mut run = Run::start(&small_cloud(100.0));
+    run.wait_for_steps(4);
+    limit_files(run.child.id(), Some(1));
+    let this = Pid::from_raw(run.child.id() as i32).expect("a process");
+    // longer apart than what counts as one wish
+    for _ in 0..2 {
+        std::thread::sleep(Duration::from_secs(1));
+        kill_process(this, Signal::INT).expect("signalled");
+    }
+    let (code, words, elapsed, _folder) = run.finish();
+    println!("{elapsed:?}: {words}");
+    assert_eq!(code, Some(130));
+    assert!(
+        words.contains("interrupted while the folder was written"),
+        "{words}"
+    );
+    assert!(elapsed < LEAVING_MAX, "{elapsed:?}");
 }
 
 #[test]
