@@ -72,6 +72,18 @@ def test_a_step_gives_what_the_engine_wrote():
         assert np.allclose(candidate.grain_velocity[:, 1], v, rtol=1e-15)
 
 
+def test_spins_are_asked_of_engines_that_declare_them():
+    def spin(engine, inputs, outputs):
+        outputs.grain_spin[:] = np.arange(5.0)
+
+    engine = Falling(spin)
+    engine.capabilities = ("spin",)
+    with driver_of(engine) as driver:
+        assert (advance(driver).grain_spin == np.arange(5.0)).all()
+    with driver_of(Falling()) as driver:
+        assert "grain_spin" not in advance(driver)
+
+
 def test_fields_are_views_without_a_copy():
     seen = {}
 
