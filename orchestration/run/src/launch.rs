@@ -298,6 +298,15 @@ impl Process {
         self.ended.and_then(|status| status.code())
     }
 
+    /// What it said last, most often the reason and the remedy; of its last lines one that calls itself an
+    /// error goes before hints on usage.
+    pub fn reason(&self) -> String {
+        let mut words = self.last_words(5);
+        let error = words.iter().rposition(|line| line.starts_with("error"));
+        let place = error.unwrap_or(words.len().saturating_sub(1));
+        words.drain(place..).next().unwrap_or_default()
+    }
+
     /// The last lines it wrote.
     pub fn last_words(&self, lines: usize) -> Vec<String> {
         let text = std::fs::read(&self.log).unwrap_or_default();

@@ -108,8 +108,7 @@ impl Evidence<'_> {
             .processes
             .iter()
             .find(|process| !lost_or_well(process))?;
-        // What it said last is most often the reason, and the remedy.
-        let said = process.last_words(1).concat();
+        let said = process.reason();
         let said = if said.is_empty() {
             said
         } else {

@@ -54,15 +54,18 @@ fn a_program_with_a_folder_is_found_from_the_scene() {
 fn what_an_engine_says_last_is_in_the_error_of_the_run() {
     let folder = tempfile::tempdir().expect("a folder");
     let remedy = "error: no environment: run engines/set-up NAME";
-    script(
-        &folder.path().join("scenes/engine"),
-        &format!("#!/bin/sh\necho '{remedy}' >&2\nexit 4\n"),
-    );
-    let (code, words) = run(folder.path(), "../engine");
-    println!("{words}");
-    assert_eq!(code, Some(4));
-    let last = words.lines().last().unwrap_or_default();
-    assert!(last.contains(&format!("exit code 4 ({remedy})")), "{last}");
+    let hint = "For more information, try --help.";
+    for more in ["", hint] {
+        script(
+            &folder.path().join("scenes/engine"),
+            &format!("#!/bin/sh\necho '{remedy}' >&2\necho '{more}' >&2\nexit 4\n"),
+        );
+        let (code, words) = run(folder.path(), "../engine");
+        println!("{words}");
+        assert_eq!(code, Some(4));
+        let last = words.lines().last().unwrap_or_default();
+        assert!(last.contains(&format!("exit code 4 ({remedy})")), "{last}");
+    }
 }
 
 #[test]
