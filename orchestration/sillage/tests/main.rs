@@ -4,6 +4,7 @@ mod background;
 mod browser;
 mod commands;
 mod costs;
+mod draws;
 mod folders;
 mod full_disk;
 mod kills;
