@@ -77,6 +77,7 @@ impl<'a> Checker<'a> {
     fn corners(&mut self, key: &str, lower: [f64; 2], upper: [f64; 2]) {
         self.finite(&format!("{key}.lower"), &lower);
         self.finite(&format!("{key}.upper"), &upper);
+        self.measurable(&format!("{key}.upper"), lower, upper);
         for (axis, name) in ["x", "y"].iter().enumerate() {
             if lower[axis] >= upper[axis] {
                 let (low, high) = (lower[axis], upper[axis]);
@@ -85,6 +86,16 @@ impl<'a> Checker<'a> {
                     format!("{name} = {high:e} m must be greater than {name} of lower, {low:e} m"),
                 );
             }
+        }
+    }
+
+    /// Lengths have squares.
+    fn measurable(&mut self, key: &str, from: [f64; 2], to: [f64; 2]) {
+        let sizes = [0, 1].map(|axis| (to[axis] - from[axis]).abs());
+        let longest = sizes[0].max(sizes[1]);
+        if longest > 0.0 && !(longest * longest).is_normal() {
+            let why = format!("is {longest:e} m from the other end: its square is no number");
+            self.refuse(key, why);
         }
     }
 
@@ -129,6 +140,7 @@ impl<'a> Checker<'a> {
     fn wall(&mut self, key: &str, wall: &WallSegment) {
         self.finite(&format!("{key}.from"), &wall.from);
         self.finite(&format!("{key}.to"), &wall.to);
+        self.measurable(&format!("{key}.to"), wall.from, wall.to);
         let [x, y] = [0, 1].map(|axis| wall.to[axis] - wall.from[axis]);
         if [x, y] == [0.0; 2] {
             self.refuse(&format!("{key}.to"), "must differ from the start, `from`");

@@ -100,6 +100,25 @@ fn a_grain_wider_than_the_domain_is_refused_and_one_wider_than_a_cell_is_not() {
 }
 
 #[test]
+fn lengths_without_a_square_are_refused() {
+    let wall = |to: &str| format!("walls=[{{ from = [0.0, 0.0], to = [{to}, 0.0] }}]");
+    for (setting, key) in [
+        (
+            "fluid.domain.rectangle.upper=[0.01, 1e300]".to_string(),
+            "fluid.domain.rectangle.upper",
+        ),
+        (
+            "fluid.domain.rectangle.upper=[1e-200, 1e-200]".to_string(),
+            "fluid.domain.rectangle.upper",
+        ),
+        (wall("1e300"), "walls[0].to"),
+        (wall("1e-200"), "walls[0].to"),
+    ] {
+        refused(&[&setting], &[key, "its square is no number"]);
+    }
+}
+
+#[test]
 fn the_plan_counts_steps_that_are_cut_where_states_are_put_out() {
     let counts = |every: &str| {
         let plan = scene::plan::plan(&accepted(&["run.coupling_step=0.02", every]));
