@@ -88,7 +88,7 @@ fn volume_defect(depth: f64, mass: &[f64], porosity: &[f64], volume: &[f64]) -> 
     let solid: f64 = volume.iter().sum();
     let nodes = mass.iter().zip(porosity);
     let deposited = depth * nodes.map(|(l, phi)| l * (1.0 - phi)).sum::<f64>();
-    (deposited - solid).abs() / solid
+    relative((deposited - solid).abs(), solid)
 }
 
 /// Powers of the grains \[W\].

@@ -165,6 +165,7 @@ mod tests {
             particles: None,
             grains_stay: false,
             grain_boundaries: None,
+            grain_exits: Vec::new(),
             grains_file: None,
             scheme: Scheme::Staggered,
             drag: DragLaw::Dallavalle,

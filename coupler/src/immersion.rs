@@ -1,11 +1,13 @@
 //! Grains in a fluid: where they are on its mesh, their drag, and the force of the fluid on them.
 
+use protocol::engine::without;
 use protocol::scene::{DragLaw, Geometry};
 use space::{Dim, Dimension, Vector, hypot};
 
 use crate::drag::laws::{self, Fluid, POROSITY_RANGE, Shape};
 use crate::drag::slip::implicit_slip_speed;
 use crate::error::{CouplerError, place};
+use crate::exits::Exits;
 use crate::state::{Flow, Grains};
 use crate::transfer::{Placement, Transfer};
 
@@ -22,6 +24,8 @@ pub struct Immersion<const D: usize, const N: usize> {
     pub law: DragLaw,
     /// Of every grain.
     pub shapes: Vec<Shape>,
+    /// Where grains leave.
+    pub exits: Exits<D>,
 }
 
 impl<const D: usize, const N: usize> Immersion<D, N>
@@ -29,11 +33,19 @@ where
     Dim<D>: Dimension<D>,
 {
     /// Grains on the mesh at xⁿ + ½Δt vⁿ: the mid-point removes the first-order spiral of grains
-    /// that follow curved streamlines.
+    /// that follow curved streamlines. A grain that leaves on the way is where it was inside last.
     pub fn place(&self, grains: &Grains<D>, dt: f64) -> Result<Placement, CouplerError> {
-        let paths = grains.position.iter().zip(&grains.velocity);
-        let middle: Vec<Vector<D>> = paths.map(|(x, v)| x + v * (0.5 * dt)).collect();
-        self.transfer.place(&middle, &grains.radius)
+        let paths = grains.position.iter().zip(&grains.velocity).enumerate();
+        let (transfer, exits) = (&self.transfer, &self.exits);
+        let middle =
+            paths.map(|(grain, (x, v))| exits.place(transfer, grain, x, &(v * (0.5 * dt))));
+        let middle = middle.collect::<Result<Vec<Vector<D>>, _>>()?;
+        transfer.place(&middle, &grains.radius)
+    }
+
+    /// These grains have left, by ascending numbers.
+    pub fn remove(&mut self, gone: &[usize]) {
+        self.shapes = without(&self.shapes, 1, gone);
     }
 
     /// φ = 1 − T(V); an error names the first node where it is not positive.

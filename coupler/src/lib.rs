@@ -18,6 +18,7 @@ pub mod cost;
 pub mod coupled;
 pub mod drag;
 pub mod error;
+pub mod exits;
 pub mod immersion;
 pub mod input;
 pub mod listener;

@@ -75,7 +75,9 @@ impl Listener {
             return Ok(());
         };
         simulation.fetch_unread()?;
+        let numbered = simulation.has_exits();
         let state = &simulation.state;
+        let id: Vec<f64> = state.grains.id.iter().map(|&id| id as f64).collect();
         let contact = contact_numbers(&state.grains.contact);
         let fixed: Vec<f64> = state
             .grains
@@ -101,8 +103,13 @@ impl Listener {
             fields.push((Field::GrainContact, &contact));
             fields.push((Field::GrainMass, &grains.mass));
             fields.push((Field::GrainFixed, &fixed));
+            if numbered {
+                fields.push((Field::GrainRadius, &grains.radius));
+                fields.push((Field::GrainId, &id));
+            }
         }
-        Ok(sender.snapshot(state.step, state.time, &fields)?)
+        let moment = (state.step, state.time);
+        Ok(sender.snapshot(moment, state.grains.count(), &fields)?)
     }
 
     /// The recording ended before the run.

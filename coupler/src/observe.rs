@@ -8,7 +8,7 @@ use crate::cost::StepCost;
 use crate::report::StepReport;
 use crate::seats::request::value;
 use crate::simulation::Simulation;
-use crate::state::Grains;
+use crate::state::{Grains, Removed};
 
 /// The axis along which heights are told, positive upward, and the one along which widths are.
 const UP: usize = 1;
@@ -103,6 +103,9 @@ impl Row {
         rise.sort_by(f64::total_cmp);
         self.add("fall_speed_median", -quantile(&rise, 0.5));
         self.add_mechanics(grains, &simulation.gravity);
+        if simulation.has_exits() {
+            self.add_removed(grains.count(), &simulation.state.removed);
+        }
         x.sort_by(f64::total_cmp);
         y.sort_by(f64::total_cmp);
         self.add("front", quantile(&y, 0.0));
@@ -127,6 +130,18 @@ impl Row {
         }
         self.add("kinetic_energy", kinetic);
         self.add("mechanical_energy", kinetic + potential);
+    }
+
+    /// Grains that are left, and what has left with the others so far.
+    fn add_removed<const D: usize>(&mut self, left: usize, removed: &Removed<D>) {
+        self.add(columns::GRAINS, left as f64);
+        self.add(columns::REMOVED_GRAINS, removed.grains as f64);
+        self.add("removed_volume", removed.volume);
+        self.add("removed_mass", removed.mass);
+        for (name, momentum) in AXES.iter().zip(&removed.momentum) {
+            self.add(&format!("removed_momentum_{name}"), *momentum);
+        }
+        self.add("removed_energy", removed.energy);
     }
 
     fn add_fluid<const D: usize, const N: usize>(&mut self, simulation: &Simulation<D, N>)

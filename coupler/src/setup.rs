@@ -1,7 +1,7 @@
 //! From a scene and its engines to the system that is run and the state it starts from.
 
 use protocol::engine::InitialGrains;
-use protocol::message::Role;
+use protocol::message::{Capability, Role};
 use protocol::partner::Partner;
 use protocol::scene::{CouplerScene, FluidScene, Geometry, ParticleScene, Scheme};
 use space::{Dim, Dimension, Vector};
@@ -14,6 +14,7 @@ use crate::coupled::setting::Deferred;
 use crate::coupled::step::Coupled;
 use crate::drag::laws::Fluid;
 use crate::error::CouplerError;
+use crate::exits::Exits;
 use crate::immersion::{Immersion, shapes};
 use crate::one_way::OneWay;
 use crate::seats::door;
@@ -97,7 +98,8 @@ fn immersed<const D: usize, const N: usize>(
 where
     Dim<D>: Dimension<D>,
 {
-    let immersion = immersion(scene, part, &fluid.mesh, &grains.radius)?;
+    let exits = exits(scene, &fluid, &particles)?;
+    let immersion = immersion(scene, part, &fluid.mesh, &grains.radius, exits)?;
     let porosity = match scene.reaction {
         true => immersion.porosity(&grains, &immersion.place(&grains, 0.0)?)?,
         false => vec![1.0; immersion.transfer.node_count()],
@@ -135,6 +137,7 @@ fn immersion<const D: usize, const N: usize>(
     part: &FluidScene,
     mesh: &Mesh<D, N>,
     radii: &[f64],
+    exits: Exits<D>,
 ) -> Result<Immersion<D, N>, CouplerError>
 where
     Dim<D>: Dimension<D>,
@@ -152,7 +155,33 @@ where
         gravity: door::vector(&scene.gravity, "gravity")?,
         law: scene.drag,
         shapes: shapes(scene.geometry, radii),
+        exits,
     })
+}
+
+/// Where grains leave; refused where the engine keeps all.
+fn exits<const D: usize, const N: usize>(
+    scene: &CouplerScene,
+    fluid: &FluidSeat<D, N>,
+    particles: &ParticleSeat<D>,
+) -> Result<Exits<D>, CouplerError>
+where
+    Dim<D>: Dimension<D>,
+{
+    let exits = Exits::new(&fluid.description.facets, &scene.grain_exits)?;
+    match particles.engine() {
+        Some(engine) if exits.are_there() && !door::can(engine, Capability::RemovesGrains) => {
+            let (engine, names) = (&engine.hello().engine, scene.grain_exits.join(", "));
+            Err(CouplerError::Walls {
+                why: format!(
+                    "grains may leave by {names}, and the particle engine {engine} cannot take grains \
+                     out (capability RemovesGrains): take another one, write [particles] boundaries with \
+                     \"wall\" there, or \"open\", where a grain that leaves ends the run"
+                ),
+            })
+        }
+        _ => Ok(exits),
+    }
 }
 
 fn state<const D: usize>(grains: Grains<D>, flow: Flow<D>, porosity: Vec<f64>) -> State<D> {

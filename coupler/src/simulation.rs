@@ -54,7 +54,29 @@ where
         }
         self.state.step = step;
         self.state.time += dt;
+        self.let_leave(dt)?;
         Ok(report)
+    }
+
+    /// Take out the grains that the step of length `dt` has brought outside.
+    fn let_leave(&mut self, dt: f64) -> Result<(), CouplerError> {
+        let (grains, removed) = (&mut self.state.grains, &mut self.state.removed);
+        let Some(immersion) = self.system.immersion() else {
+            return Ok(());
+        };
+        let gone = immersion.exits.left(&immersion.transfer, grains, dt);
+        if gone.is_empty() {
+            return Ok(());
+        }
+        removed.add(grains, &gone, &self.gravity);
+        grains.remove(&gone);
+        self.system.remove(&gone, grains, self.state.step)
+    }
+
+    /// May grains leave, so that their number changes?
+    pub fn has_exits(&self) -> bool {
+        let immersion = self.system.immersion();
+        immersion.is_some_and(|immersion| immersion.exits.are_there())
     }
 
     /// Who takes part.

@@ -2,6 +2,7 @@
 //!
 //! Struct of arrays: a value a grain, or a value a node.
 
+use protocol::engine::without;
 use space::Vector;
 
 use crate::error::CouplerError;
@@ -49,12 +50,35 @@ pub struct Grains<const D: usize> {
     pub radius: Vec<f64>,
     /// Never moves
     pub fixed: Vec<bool>,
+    /// Place among the first grains, kept when others leave
+    pub id: Vec<u64>,
 }
 
 impl<const D: usize> Grains<D> {
     /// Number of grains.
     pub fn count(&self) -> usize {
         self.mass.len()
+    }
+
+    /// Take these out, by ascending numbers; the others keep their order.
+    pub fn remove(&mut self, gone: &[usize]) {
+        fn take<T: Clone>(values: &mut Vec<T>, gone: &[usize]) {
+            *values = without(values, 1, gone);
+        }
+        // none of an engine that does not tell
+        let components = self.spin.len() / self.count().max(1);
+        self.spin = without(&self.spin, components, gone);
+        take(&mut self.position, gone);
+        take(&mut self.velocity, gone);
+        take(&mut self.mean_velocity, gone);
+        take(&mut self.contact, gone);
+        take(&mut self.contact_force, gone);
+        take(&mut self.carried_force, gone);
+        take(&mut self.mass, gone);
+        take(&mut self.volume, gone);
+        take(&mut self.radius, gone);
+        take(&mut self.fixed, gone);
+        take(&mut self.id, gone);
     }
 
     /// Accept what the particle engine answered.
@@ -67,6 +91,50 @@ impl<const D: usize> Grains<D> {
         }
         if !candidate.spin.is_empty() {
             self.spin = candidate.spin;
+        }
+    }
+}
+
+/// What has left so far (`exits.rs`, X1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Removed<const D: usize> {
+    /// How many grains.
+    pub grains: u64,
+    /// Σ V \[m³\] (disks: m²).
+    pub volume: f64,
+    /// Σ m \[kg\] (disks: kg/m).
+    pub mass: f64,
+    /// Σ m v \[kg m/s\].
+    pub momentum: Vector<D>,
+    /// Σ m (½ v² − g·x) \[J\].
+    pub energy: f64,
+}
+
+impl<const D: usize> Default for Removed<D> {
+    fn default() -> Removed<D> {
+        Removed {
+            grains: 0,
+            volume: 0.0,
+            mass: 0.0,
+            momentum: Vector::zeros(),
+            energy: 0.0,
+        }
+    }
+}
+
+impl<const D: usize> Removed<D> {
+    /// These grains leave.
+    pub fn add(&mut self, grains: &Grains<D>, gone: &[usize], gravity: &Vector<D>) {
+        for &grain in gone {
+            let mass = grains.mass[grain];
+            self.grains += 1;
+            self.volume += grains.volume[grain];
+            self.mass += mass;
+            for axis in 0..D {
+                let (speed, place) = (grains.velocity[grain][axis], grains.position[grain][axis]);
+                self.momentum[axis] += mass * speed;
+                self.energy += mass * (0.5 * speed * speed - gravity[axis] * place);
+            }
         }
     }
 }
@@ -129,6 +197,8 @@ pub struct State<const D: usize> {
     pub flow: Flow<D>,
     /// φ of the last accepted step.
     pub porosity: Vec<f64>,
+    /// Grains that have left.
+    pub removed: Removed<D>,
 }
 
 /// An error of this step where a component is not finite.

@@ -6,11 +6,12 @@ use space::{Dim, Dimension};
 use crate::alone::{Dry, FluidAlone};
 use crate::coupled::step::Coupled;
 use crate::error::CouplerError;
+use crate::immersion::Immersion;
 use crate::one_way::OneWay;
 use crate::report::StepReport;
 use crate::seats::fluid::FluidSeat;
 use crate::seats::particles::ParticleSeat;
-use crate::state::State;
+use crate::state::{Grains, State};
 
 /// The parts of a run, and how they are coupled.
 pub enum System<const D: usize, const N: usize> {
@@ -68,6 +69,33 @@ where
             System::OneWay(system) => (Some(&mut system.fluid), Some(&mut system.particles)),
             System::FluidAlone(system) => (Some(&mut system.fluid), None),
             System::Dry(system) => (None, Some(&mut system.particles)),
+        }
+    }
+
+    /// The grains in their fluid, where there are both.
+    pub fn immersion(&self) -> Option<&Immersion<D, N>> {
+        match self {
+            System::Coupled(system) => Some(&system.immersion),
+            System::OneWay(system) => Some(&system.immersion),
+            System::FluidAlone(_) | System::Dry(_) => None,
+        }
+    }
+
+    /// Grains have left, by their ascending numbers before; `left` are the others.
+    pub fn remove(
+        &mut self,
+        gone: &[usize],
+        left: &Grains<D>,
+        step: u64,
+    ) -> Result<(), CouplerError> {
+        match self {
+            System::Coupled(system) => system.immersion.remove(gone),
+            System::OneWay(system) => system.immersion.remove(gone),
+            System::FluidAlone(_) | System::Dry(_) => {}
+        }
+        match self.seats_mut() {
+            (_, Some(seat)) => seat.remove(gone, left, step),
+            _ => Ok(()),
         }
     }
 

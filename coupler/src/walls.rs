@@ -130,7 +130,7 @@ where
     let is_wall = |boundary: u32| {
         let boundary = &told.boundaries[boundary as usize];
         let unsaid = match boundary.kind {
-            BoundaryKind::Open => GrainBoundary::Open,
+            BoundaryKind::Open => GrainBoundary::Removed,
             BoundaryKind::NoSlip
             | BoundaryKind::Slip
             | BoundaryKind::MovingWall

@@ -22,6 +22,15 @@ impl Grains {
         self.radius.len()
     }
 
+    /// The same without some, by ascending numbers.
+    pub fn without(&self, gone: &[usize]) -> Grains {
+        Grains {
+            radius: without(&self.radius, gone),
+            mass: without(&self.mass, gone),
+            fixed: without(&self.fixed, gone),
+        }
+    }
+
     /// Check lengths and ranges.
     pub fn check(&self) -> Result<(), Error> {
         let count = self.count();
@@ -94,6 +103,16 @@ where
         Ok(state)
     }
 
+    /// The same without some of the grains, by ascending numbers.
+    pub fn without(&self, gone: &[usize]) -> State<D> {
+        State {
+            position: without(&self.position, gone),
+            velocity: without(&self.velocity, gone),
+            spin: without(&self.spin, gone),
+            impulses: self.impulses.without(gone, self.position.len()),
+        }
+    }
+
     /// Every number is finite, or the first one that is not.
     pub fn check_finite(&self) -> Result<(), Error> {
         for (what, values) in [("position", &self.position), ("velocity", &self.velocity)] {
@@ -132,4 +151,14 @@ pub fn finite(
         Some(value) => Err(Error::NotFinite { what, grain, value }),
         None => Ok(()),
     }
+}
+
+/// Values without those of some grains, by ascending numbers.
+pub fn without<T: Copy>(values: &[T], gone: &[usize]) -> Vec<T> {
+    let mut gone = gone.iter().copied().peekable();
+    let stays = |(grain, value): (usize, &T)| match gone.next_if_eq(&grain) {
+        Some(_) => None,
+        None => Some(*value),
+    };
+    values.iter().enumerate().filter_map(stays).collect()
 }

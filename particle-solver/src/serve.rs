@@ -14,7 +14,7 @@ use space::{Vector, flat};
 
 use crate::checkpoint;
 use crate::error::Error;
-use crate::grains::{Grains, State};
+use crate::grains::{Grains, State, without};
 use crate::setup::Setup;
 use crate::step::candidate::Candidate;
 use crate::step::engine::ContactEngine;
@@ -25,6 +25,8 @@ use crate::walls::facet::Facet;
 #[derive(Debug, Default)]
 pub struct Engine {
     solver: Option<ContactEngine<2>>,
+    /// Volumes of the grains, which are asked for with the others that stay \[m³\].
+    volume: Vec<f64>,
     /// Searches and looks at walls up to the last accepted step.
     counted: [u64; 2],
     /// Were there candidates for a contact in some step?
@@ -48,6 +50,7 @@ impl ParticleEngine for Engine {
             Capability::Checkpoint,
             Capability::MovingWalls,
             Capability::Spin,
+            Capability::RemovesGrains,
         ]
     }
 
@@ -68,6 +71,7 @@ impl ParticleEngine for Engine {
             "grains; one thread is used, whatever the scene allows"
         );
         self.solver = Some(solver);
+        self.volume.clone_from(&grains.volume);
         Ok(grains)
     }
 
@@ -127,6 +131,13 @@ impl ParticleEngine for Engine {
         let solver = self.solver()?;
         let state = checkpoint::restore(path, solver.grains()).map_err(failure)?;
         solver.set_accepted(state).map_err(failure)
+    }
+
+    fn remove(&mut self, grains: &[usize]) -> Result<InitialGrains, Failure> {
+        self.solver()?.remove(grains).map_err(failure)?;
+        self.volume = without(&self.volume, grains);
+        let solver = self.solver.as_ref().ok_or_else(not_configured)?;
+        Ok(present(solver, &self.volume))
     }
 }
 
@@ -200,6 +211,20 @@ fn vectors<const D: usize>(interleaved: &[f64]) -> Result<&[Vector<D>], Error> {
             interleaved.len()
         ))
     })
+}
+
+/// The grains as they are now.
+fn present(solver: &ContactEngine<2>, volume: &[f64]) -> InitialGrains {
+    let (grains, state) = (solver.grains(), solver.accepted());
+    InitialGrains {
+        dimension: 2,
+        position: flat::numbers(&state.position).to_vec(),
+        velocity: flat::numbers(&state.velocity).to_vec(),
+        radius: grains.radius.clone(),
+        mass: grains.mass.clone(),
+        volume: volume.to_vec(),
+        fixed: grains.fixed.iter().map(|&fixed| fixed.into()).collect(),
+    }
 }
 
 /// Write a candidate into the coupler's buffers.

@@ -125,6 +125,7 @@ pub fn scene(
         particles,
         grains_stay: false,
         grain_boundaries: None,
+        grain_exits: Vec::new(),
         grains_file: None,
         scheme: Scheme::Iterated {
             tolerance: 1e-3,

@@ -82,7 +82,7 @@ pub fn text_of(path: &Path) -> Result<String, RecordingError> {
 
 /// All of them.
 pub fn cases() -> Vec<Case> {
-    vec![cloud(), held_bed(), dry_collapse(), cavity()]
+    vec![cloud(), held_bed(), dry_collapse(), cavity(), leaving()]
 }
 
 /// Glass in glycerine, iterated.
@@ -183,5 +183,35 @@ fn cavity() -> Case {
         scene: scene(Some(fluid), None, 0.1, 6),
         grains: InitialGrains::default(),
         steps: 6,
+    }
+}
+
+/// A pile of heavy grains of two sizes that slides out of an open bottom, walls on both sides.
+pub fn leaving() -> Case {
+    const WIDTH: f64 = 0.02;
+    let mut noise = Noise::new(2);
+    let centres = lattice([0.0, 0.0], 2e-3, [10, 5]);
+    let radii: Vec<f64> = centres.iter().map(|_| 9e-4 + noise.around(1e-4)).collect();
+    let (lower, upper) = ([0.0, 0.0], [WIDTH, 2.0 * WIDTH]);
+    let open = |pressure| Boundary::Open { pressure };
+    let fluid = fluid(1000.0, 1e-2, GRAVITY, lower, upper, [5, 10]);
+    let conditions = [
+        ("bottom", open(1000.0 * 9.81 * 2.0 * WIDTH)),
+        ("top", open(0.0)),
+    ];
+    let mut engine = particles(GRAVITY);
+    (engine.friction, engine.wall_friction) = (0.3, 0.3);
+    engine.walls = vec![
+        Wall::segment([0.0, 2.0 * WIDTH], [0.0, 0.0]),
+        Wall::segment([WIDTH, 0.0], [WIDTH, 2.0 * WIDTH]),
+    ];
+    let fluid = with_boundaries(fluid, &conditions);
+    let mut scene = scene(Some(fluid), Some(engine), 5e-3, 12);
+    scene.grain_exits = vec!["bottom".to_owned(), "top".to_owned()];
+    Case {
+        name: "leaving",
+        scene,
+        grains: disks(&centres, &radii, 2500.0),
+        steps: 12,
     }
 }

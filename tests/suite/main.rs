@@ -5,6 +5,7 @@ mod bed;
 mod cloud;
 mod column;
 mod held;
+mod leaving;
 mod lesser;
 mod mean_flow;
 mod one_grain;

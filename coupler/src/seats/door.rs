@@ -108,6 +108,7 @@ pub(super) fn grains<const D: usize>(told: &InitialGrains) -> Result<Grains<D>, 
         volume: told.volume.clone(),
         radius: told.radius.clone(),
         fixed: told.fixed.iter().map(|&flag| flag != 0.0).collect(),
+        id: (0..count as u64).collect(),
     })
 }
 
@@ -127,6 +128,6 @@ pub(super) fn withhold(
 }
 
 /// Can the engine do this?
-pub(super) fn can(partner: &Partner, capability: Capability) -> bool {
+pub fn can(partner: &Partner, capability: Capability) -> bool {
     partner.hello().capabilities.contains(&capability)
 }

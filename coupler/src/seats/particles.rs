@@ -5,7 +5,7 @@ use std::time::Instant;
 use protocol::engine::InitialGrains;
 use protocol::error::Error;
 use protocol::field::Field;
-use protocol::message::{Capability, Diagnostic};
+use protocol::message::{Capability, Diagnostic, REMOVED_MAX};
 use protocol::partner::Partner;
 use protocol::report::{ParticleReport, Report};
 use protocol::scene::ParticleScene;
@@ -150,6 +150,24 @@ impl<const D: usize> ParticleSeat<D> {
         }
     }
 
+    /// Grains have left, by their numbers before; `left` are the others. The engine must have the same.
+    pub fn remove(
+        &mut self,
+        gone: &[usize],
+        left: &Grains<D>,
+        step: u64,
+    ) -> Result<(), CouplerError> {
+        let ParticleSeat::Engine(engine) = self else {
+            return Ok(());
+        };
+        // from the end, so that the numbers of those before stay what they were
+        let mut told = InitialGrains::default();
+        for some in gone.rchunks(REMOVED_MAX) {
+            told = engine.partner.remove(some)?;
+        }
+        require_same(&door::grains(&told)?, left, step)
+    }
+
     /// Bring what did not come with the accepted step.
     pub fn fetch(&mut self, grains: &mut Grains<D>, step: u64) -> Result<(), CouplerError> {
         match self {
@@ -225,6 +243,34 @@ impl Engine {
         }
         Ok(())
     }
+}
+
+/// Has an engine the grains that it should have?
+fn require_same<const D: usize>(
+    told: &Grains<D>,
+    own: &Grains<D>,
+    step: u64,
+) -> Result<(), CouplerError> {
+    let first = |same: &dyn Fn(usize) -> bool| (0..own.count()).find(|&grain| !same(grain));
+    let looks: [(Field, &dyn Fn(usize) -> bool); 6] = [
+        (Field::GrainPosition, &|i| {
+            told.position[i] == own.position[i]
+        }),
+        (Field::GrainVelocity, &|i| {
+            told.velocity[i] == own.velocity[i]
+        }),
+        (Field::GrainRadius, &|i| told.radius[i] == own.radius[i]),
+        (Field::GrainMass, &|i| told.mass[i] == own.mass[i]),
+        (Field::GrainVolume, &|i| told.volume[i] == own.volume[i]),
+        (Field::GrainFixed, &|i| told.fixed[i] == own.fixed[i]),
+    ];
+    for (field, same) in looks {
+        if let Some(grain) = first(same) {
+            let why = format!("after grains have left, that of grain {grain} is not what it was");
+            return Err(Error::invalid("particles", step, field.name(), why).into());
+        }
+    }
+    Ok(())
 }
 
 /// An engine that does not say that it can would take a wall that moves for one at rest.

@@ -11,13 +11,16 @@
 //! own size; there is no length that belongs to all. Spheres in a slab are deposited over its depth: the
 //! fluid is solved per metre of depth.
 
-use space::{Dim, Dimension, Vector};
+use std::cell::OnceCell;
+
+use space::{Dim, Dimension, Period, Vector};
 
 use crate::error::CouplerError;
 use crate::transfer::bell::Bell;
 use crate::transfer::locate::Locator;
 use crate::transfer::mesh::Mesh;
-use crate::transfer::path::Ground;
+use crate::transfer::neighbours::Neighbours;
+use crate::transfer::path::{Ground, Spot};
 use crate::transfer::placement::{Gather, Placement};
 use crate::transfer::quantity::Quantity;
 
@@ -25,7 +28,8 @@ use crate::transfer::quantity::Quantity;
 #[derive(Debug)]
 pub struct Transfer<const D: usize, const N: usize> {
     locator: Locator<D, N>,
-    ground: Ground<D, N>,
+    /// Made when a grain is spread or leaves.
+    neighbours: OnceCell<Neighbours<D, N>>,
     node_position: Vec<Vector<D>>,
     nodal_mass: Vec<f64>,
     /// h around each node \[m\].
@@ -41,7 +45,7 @@ where
     pub fn new(mesh: &Mesh<D, N>, depth: f64) -> Transfer<D, N> {
         Transfer {
             locator: Locator::new(mesh),
-            ground: Ground::new(mesh),
+            neighbours: OnceCell::new(),
             node_position: mesh.node_position.clone(),
             nodal_mass: mesh.nodal_mass.clone(),
             cell: mesh.cell_of_nodes(),
@@ -72,7 +76,7 @@ where
     /// Find grains (positions and radii \[m\]) on the mesh.
     pub fn place(&self, positions: &[Vector<D>], radii: &[f64]) -> Result<Placement, CouplerError> {
         let mut placement = Placement::with_capacity(positions.len(), N * positions.len());
-        let mut gather = Gather::new(self.node_count());
+        let mut gather = None;
         for (grain, (point, &radius)) in positions.iter().zip(radii).enumerate() {
             let centre = self.locator.locate(grain, point)?;
             let mut cell = 0.0;
@@ -82,12 +86,46 @@ where
             match Bell::of::<D>(radius, cell) {
                 None => placement.push(&centre.nodes, centre.weights),
                 Some(bell) => {
-                    let (locator, ground) = (&self.locator, &self.ground);
-                    gather.spread(bell, &centre, locator, ground, &mut placement);
+                    let gather = gather.get_or_insert_with(|| Gather::new(self.node_count()));
+                    gather.spread(bell, &centre, self.ground(), &mut placement);
                 }
             }
         }
         Ok(placement)
+    }
+
+    fn ground(&self) -> Ground<'_, D, N> {
+        let made = || Neighbours::new(&self.locator);
+        Ground {
+            locator: &self.locator,
+            neighbours: self.neighbours.get_or_init(made),
+        }
+    }
+
+    /// Period of the mesh along each axis \[m\].
+    pub fn period(&self) -> &Period<D> {
+        self.locator.period()
+    }
+
+    /// Is a point in no simplex of the mesh?
+    pub fn is_outside(&self, point: &Vector<D>) -> bool {
+        self.locator.is_outside(point)
+    }
+
+    /// The last point inside of the straight path from `start`, where a grain is, by `by` \[m\].
+    pub fn last_inside(
+        &self,
+        grain: usize,
+        start: &Vector<D>,
+        by: &Vector<D>,
+    ) -> Result<Vector<D>, CouplerError> {
+        let stencil = self.locator.locate(grain, start)?;
+        let from = Spot {
+            simplex: stencil.simplex,
+            point: self.locator.point(&stencil),
+        };
+        let end = self.ground().go_to_the_rim(from, by);
+        Ok(end.map_or(from.point, |end| end.spot.point))
     }
 
     /// (T1) of a number or a vector a grain.

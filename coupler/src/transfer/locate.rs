@@ -79,6 +79,22 @@ where
         if !point.iter().all(|x| x.is_finite()) {
             return Err(outside());
         }
+        let (distance, stencil) = self.nearest(point);
+        if distance <= self.outside_max {
+            Ok(stencil)
+        } else {
+            Err(outside())
+        }
+    }
+
+    /// Is a point in no simplex?
+    pub fn is_outside(&self, point: &Vector<D>) -> bool {
+        self.nearest(point).0 > 0.0
+    }
+
+    /// The stencil of the nearest point of the mesh, and the distance to it \[m\]; infinite where there is
+    /// none around.
+    fn nearest(&self, point: &Vector<D>) -> (f64, Stencil<N>) {
         let inside = periodic::into_box(point, self.bins.lower(), &self.period);
         let centre = self.bins.of(&inside);
         let mut nearest = (f64::INFINITY, 0, [0.0; N]);
@@ -86,18 +102,14 @@ where
             for &index in &self.members[self.start[bin]..self.start[bin + 1]] {
                 let (weights, distance) = simplex::project(&self.corners[index as usize], &inside);
                 if distance == 0.0 {
-                    return Ok(self.stencil(index, weights));
+                    return (0.0, self.stencil(index, weights));
                 }
                 if distance < nearest.0 {
                     nearest = (distance, index, weights);
                 }
             }
         }
-        if nearest.0 <= self.outside_max {
-            Ok(self.stencil(nearest.1, nearest.2))
-        } else {
-            Err(outside())
-        }
+        (nearest.0, self.stencil(nearest.1, nearest.2))
     }
 
     fn stencil(&self, index: u32, weights: [f64; N]) -> Stencil<N> {
@@ -106,6 +118,21 @@ where
             nodes: self.simplices[index as usize],
             weights,
         }
+    }
+
+    /// Corner nodes of every simplex.
+    pub fn simplices(&self) -> &[[u32; N]] {
+        &self.simplices
+    }
+
+    /// Corners of every simplex \[m\].
+    pub fn corners(&self) -> &[[Vector<D>; N]] {
+        &self.corners
+    }
+
+    /// Period along each axis \[m\].
+    pub fn period(&self) -> &Period<D> {
+        &self.period
     }
 
     /// The corner nodes of a simplex.

@@ -2,7 +2,7 @@
 
 use space::{Dim, Dimension, Period, Vector, periodic, simplex};
 
-use crate::transfer::mesh::Mesh;
+use crate::transfer::locate::Locator;
 
 /// Two facets with the same nodes are one where their centres are this close, of their size.
 const SAME_PLACE: f64 = 1e-6;
@@ -38,16 +38,17 @@ where
 {
     /// Match the facets of a mesh. Where a mesh is so narrow that a period brings two facets with the
     /// same nodes, their places decide.
-    pub fn new(mesh: &Mesh<D, N>) -> Neighbours<D, N> {
-        let mut facets: Vec<Facet<D>> = (0..mesh.simplices.len())
+    pub fn new(mesh: &Locator<D, N>) -> Neighbours<D, N> {
+        let count = mesh.simplices().len();
+        let mut facets: Vec<Facet<D>> = (0..count)
             .flat_map(|index| (0..N).map(move |opposite| facet(mesh, index, opposite)))
             .collect();
         facets.sort_by_key(|facet| (facet.nodes, facet.simplex, facet.opposite));
-        let mut behind = vec![[None; N]; mesh.simplices.len()];
+        let mut behind = vec![[None; N]; count];
         for alike in facets.chunk_by(|a, b| a.nodes == b.nodes) {
             for (place, a) in alike.iter().enumerate() {
                 for b in &alike[place + 1..] {
-                    let Some(shift) = shift(a, b, &mesh.period) else {
+                    let Some(shift) = shift(a, b, mesh.period()) else {
                         continue;
                     };
                     let mut join = |from: &Facet<D>, to: &Facet<D>, shift: Vector<D>| {
@@ -70,14 +71,17 @@ where
 }
 
 fn facet<const D: usize, const N: usize>(
-    mesh: &Mesh<D, N>,
+    mesh: &Locator<D, N>,
     index: usize,
     opposite: usize,
-) -> Facet<D> {
+) -> Facet<D>
+where
+    Dim<D>: Dimension<D>,
+{
     let corners = simplex::facet_corners::<D>(opposite);
-    let mut nodes = corners.map(|corner| mesh.simplices[index][corner]);
+    let mut nodes = corners.map(|corner| mesh.simplices()[index][corner]);
     nodes.sort_unstable();
-    let places = corners.map(|corner| mesh.corners[index][corner]);
+    let places = corners.map(|corner| mesh.corners()[index][corner]);
     let centre = places.iter().fold(Vector::zeros(), |sum, x| sum + x) / D as f64;
     Facet {
         nodes,

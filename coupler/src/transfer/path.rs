@@ -2,7 +2,7 @@
 
 use space::{Dim, Dimension, Vector, simplex};
 
-use crate::transfer::mesh::Mesh;
+use crate::transfer::locate::Locator;
 use crate::transfer::neighbours::Neighbours;
 
 /// Simplices that a path may cross.
@@ -31,31 +31,34 @@ pub struct End<const D: usize, const N: usize> {
 }
 
 /// A mesh to walk through.
-#[derive(Debug)]
-pub struct Ground<const D: usize, const N: usize> {
-    corners: Vec<[Vector<D>; N]>,
-    neighbours: Neighbours<D, N>,
+#[derive(Debug, Clone, Copy)]
+pub struct Ground<'a, const D: usize, const N: usize> {
+    /// The simplices.
+    pub locator: &'a Locator<D, N>,
+    /// What lies behind their facets.
+    pub neighbours: &'a Neighbours<D, N>,
 }
 
-impl<const D: usize, const N: usize> Ground<D, N>
+impl<const D: usize, const N: usize> Ground<'_, D, N>
 where
     Dim<D>: Dimension<D>,
 {
-    /// Of a mesh.
-    pub fn new(mesh: &Mesh<D, N>) -> Ground<D, N> {
-        Ground {
-            corners: mesh.corners.clone(),
-            neighbours: Neighbours::new(mesh),
-        }
-    }
-
     /// Go `by` \[m\] from a spot, thrown back by every facet of the boundary like light by a mirror, so
     /// that the end is in the mesh. None: after 10 000 simplices still on the way.
     pub fn go(&self, from: Spot<D>, by: &Vector<D>) -> Option<End<D, N>> {
+        self.walk(from, by, Rim::ThrowsBack)
+    }
+
+    /// Go `by` \[m\] from a spot, as far as the boundary. None as above.
+    pub fn go_to_the_rim(&self, from: Spot<D>, by: &Vector<D>) -> Option<End<D, N>> {
+        self.walk(from, by, Rim::Stops)
+    }
+
+    fn walk(&self, from: Spot<D>, by: &Vector<D>, rim: Rim) -> Option<End<D, N>> {
         let (mut simplex, mut start) = (from.simplex, from.point);
         let (mut end, mut thrown_back) = (start + by, false);
         for _ in 0..CROSSED_MAX {
-            let corners = &self.corners[simplex as usize];
+            let corners = &self.locator.corners()[simplex as usize];
             let weights = simplex::weights(corners, &end);
             if weights.iter().all(|&weight| weight >= INSIDE) {
                 let spot = Spot {
@@ -77,12 +80,39 @@ where
                 }
                 None => {
                     start += (end - start) * share;
-                    end -= beyond(corners, facet, weights[facet]) * 2.0;
+                    match rim {
+                        Rim::ThrowsBack => end -= beyond(corners, facet, weights[facet]) * 2.0,
+                        // inside, but for round-off
+                        Rim::Stops => return Some(stop(simplex, corners, start)),
+                    }
                     thrown_back = true;
                 }
             }
         }
         None
+    }
+}
+
+/// What the boundary does to a path.
+#[derive(Clone, Copy)]
+enum Rim {
+    ThrowsBack,
+    Stops,
+}
+
+/// The end of a path at a point of a simplex.
+fn stop<const D: usize, const N: usize>(
+    simplex: u32,
+    corners: &[Vector<D>; N],
+    point: Vector<D>,
+) -> End<D, N>
+where
+    Dim<D>: Dimension<D>,
+{
+    End {
+        spot: Spot { simplex, point },
+        weights: simplex::weights(corners, &point),
+        thrown_back: false,
     }
 }
 

@@ -3,7 +3,7 @@
 use space::{Dim, Dimension, Vector};
 
 use crate::transfer::bell::Bell;
-use crate::transfer::locate::{Locator, Stencil};
+use crate::transfer::locate::Stencil;
 use crate::transfer::path::{Ground, Spot};
 
 /// Where a set of grains is on the mesh. The weights of a grain are ≥ 0 and sum to one.
@@ -89,15 +89,14 @@ impl Gather {
         &mut self,
         bell: Bell,
         centre: &Stencil<N>,
-        locator: &Locator<D, N>,
-        ground: &Ground<D, N>,
+        ground: Ground<'_, D, N>,
         placement: &mut Placement,
     ) where
         Dim<D>: Dimension<D>,
     {
         let centre = Spot {
             simplex: centre.simplex,
-            point: locator.point(centre),
+            point: ground.locator.point(centre),
         };
         let mut last: Option<(Spot<D>, Vector<D>)> = None;
         for (offset, weight) in bell.points::<D>() {
@@ -111,7 +110,7 @@ impl Gather {
                 continue;
             };
             last = (!end.thrown_back).then_some((end.spot, offset));
-            self.add(locator.nodes(end.spot.simplex), &end.weights, weight);
+            self.add(ground.locator.nodes(end.spot.simplex), &end.weights, weight);
         }
         let gathered = |&node: &u32| self.weight[node as usize];
         let total: f64 = self.touched.iter().map(gathered).sum();

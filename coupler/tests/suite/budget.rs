@@ -30,6 +30,7 @@ where
         gravity: vector::from_fn(|axis| 0.3 - 9.81 * axis as f64),
         law: DragLaw::Stokes,
         shapes: Vec::new(),
+        exits: Default::default(),
     }
 }
 

@@ -158,6 +158,7 @@ fn scene(scheme: Scheme) -> CouplerScene {
         particles: Some(particles),
         grains_stay: false,
         grain_boundaries: None,
+        grain_exits: Vec::new(),
         grains_file: None,
         scheme,
         drag: DragLaw::Stokes,

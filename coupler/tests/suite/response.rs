@@ -56,6 +56,7 @@ pub fn grains<const D: usize>(count: usize) -> Grains<D> {
         volume: volume.iter().map(|v| 1e-3 * v).collect(),
         radius: positive(7),
         fixed: (0..count).map(|i| i == 2).collect(),
+        id: (0..count as u64).collect(),
     }
 }
 

@@ -26,6 +26,7 @@ fn one_sphere_falls_with_the_slip_at_which_drag_carries_its_weight() {
         gravity,
         law: DragLaw::Dallavalle,
         shapes: vec![shape],
+        exits: Default::default(),
     };
     let mut grains = Grains {
         position: vec![Vector::from([0.4, 0.5, 0.6])],
@@ -39,6 +40,7 @@ fn one_sphere_falls_with_the_slip_at_which_drag_carries_its_weight() {
         volume: vec![shape.volume],
         radius: vec![radius],
         fixed: vec![false],
+        id: vec![0],
     };
     let nodes = mesh.node_position.len();
     let flow = Flow {

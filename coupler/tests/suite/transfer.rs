@@ -120,3 +120,46 @@ fn points_are_found_across_a_period() {
     wraps::<2, 3>();
     wraps::<3, 4>();
 }
+
+fn stops_at_the_rim<const D: usize, const N: usize>(periodic: bool)
+where
+    Dim<D>: Dimension<D>,
+{
+    let mesh = cube::<D, N>(5, 0.4, periodic);
+    let transfer = Transfer::new(&mesh, 1.0);
+    let mut left = 0;
+    for (grain, start) in points::<D>(200).iter().enumerate() {
+        let by = vector::from_fn::<D>(|axis| 3.0 * (noise(13 * grain + axis) - 0.5));
+        let end = transfer
+            .last_inside(grain, start, &by)
+            .expect("it starts inside");
+        // How much of the way there is, axis by axis; along a period it never ends.
+        let share = |axis: usize| match by[axis] {
+            _ if periodic && axis == 0 => 1.0,
+            way if way > 0.0 => (1.0 - start[axis]) / way,
+            way => -start[axis] / way,
+        };
+        let share = (0..D).map(share).fold(1.0, f64::min);
+        left += usize::from(share < 1.0);
+        for axis in 0..D {
+            let apart = end[axis] - (start[axis] + share * by[axis]);
+            let apart = if periodic && axis == 0 {
+                apart - apart.round()
+            } else {
+                apart
+            };
+            assert!(apart.abs() < 1e-10, "{start:?} by {by:?} ends at {end:?}");
+        }
+        assert!(share == 1.0 || transfer.is_outside(&(start + by)));
+    }
+    println!("{D} periodic {periodic}: {left} of 200 leave");
+    assert!(left > 40);
+}
+
+#[test]
+fn a_path_that_leaves_ends_where_it_was_inside_for_the_last_time() {
+    for periodic in [false, true] {
+        stops_at_the_rim::<2, 3>(periodic);
+        stops_at_the_rim::<3, 4>(periodic);
+    }
+}

@@ -188,6 +188,14 @@ impl<'a> Bench<'a> {
         sent.map_err(|error| self.explain(&error))
     }
 
+    /// `Remove`, which must be answered by the grains that are left.
+    pub fn remove(&mut self, grains: &[usize]) -> Result<InitialGrains, String> {
+        let left = self.partner.remove(grains);
+        let left = left.map_err(|error| format!("Remove: {}", self.explain(&error)))?;
+        self.count = left.count();
+        Ok(left)
+    }
+
     /// `Finish`, after which it must leave with exit code 0.
     pub fn finish(&mut self) -> Result<(), String> {
         let told = self.partner.finish();

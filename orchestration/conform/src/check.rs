@@ -31,6 +31,8 @@ pub const READY: Needs = &["hello", "ready"];
 pub const ANSWERS: Needs = &["hello", "ready", "advance"];
 /// Two processes given the same must answer the same.
 pub const REPEATABLE: Needs = &["hello", "ready", "advance", "fresh-process"];
+/// Needed where states are accepted.
+pub const ACCEPTS: Needs = &["hello", "ready", "advance", "fresh-process", "commit"];
 
 /// A check of the suite.
 pub struct Check {

@@ -54,6 +54,7 @@ pub fn resolve(
     let outline = outline(mesh.as_ref(), rectangle, conditions);
     let mut warnings = warnings(&keys);
     warnings.append(&mut checker.warnings);
+    let mut exits = Vec::new();
     if let Some(outline) = &outline {
         let sides = Sides {
             scene: &keys,
@@ -64,6 +65,7 @@ pub fn resolve(
         };
         sides.check(checker);
         warnings.extend(sides.warnings());
+        exits = sides.exits();
     }
     let table = if checker.problems.is_empty() {
         let places = (room.as_ref(), outline.as_ref());
@@ -77,6 +79,9 @@ pub fn resolve(
     let grain_boundaries = walls::of_mesh(&keys, conditions);
     let mut coupler = coupler_part(&keys, fluid, particles);
     coupler.grain_boundaries = grain_boundaries;
+    if !table.all_fixed() {
+        coupler.grain_exits = exits;
+    }
     coupler.grains_stay = keys.run.leave_out
         && coupler.fluid.is_some()
         && keys.engines.particles.is_none()
@@ -243,6 +248,7 @@ fn coupler_part(
         gravity: keys.gravity.acceleration.to_vec(),
         grains_stay: false,
         grain_boundaries: None,
+        grain_exits: Vec::new(),
         grains_file: particles.is_some().then(|| GRAINS_FILE.to_string()),
         fluid,
         particles,

@@ -1,13 +1,13 @@
 //! Do grains and fluid have the same sides? What cannot be is refused, what only one of both sees is told.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use protocol::scene::{Boundary, Profile, Wall};
+use protocol::scene::{Boundary, GrainBoundary, Profile, Wall};
 
 use crate::check::Checker;
 use crate::keys::{DefaultWalls, GrainDomain, Rectangle, SceneFile};
 use crate::outline::{Edge, Outline};
-use crate::walls::is_along;
+use crate::walls::{is_along, meets};
 
 /// The sides of a scene with a fluid.
 pub struct Sides<'a> {
@@ -186,12 +186,27 @@ impl Sides<'_> {
                 Some(Boundary::NoSlip | Boundary::Slip | Boundary::MovingWall { .. })
             )
         });
-        let met = |point: &[f64; 2]| {
-            let reach = self.outline.tolerance();
-            self.walls.iter().any(|wall| wall.distance(point) <= reach)
-        };
-        let is_met = |edge: &&Edge| [edge.a, edge.middle(), edge.b].iter().all(met);
-        let bare = edges.filter(|edge| !theirs && !is_met(edge));
+        let bare = edges.filter(|edge| !theirs && !self.is_met(edge));
         bare.map(|edge| edge.boundary.as_str()).collect()
+    }
+
+    /// Is a wall of the grains all along an edge?
+    fn is_met(&self, edge: &Edge) -> bool {
+        let reach = self.outline.tolerance();
+        let met = |point: &[f64; 2]| self.walls.iter().any(|wall| wall.distance(point) <= reach);
+        [edge.a, edge.middle(), edge.b].iter().all(met)
+    }
+
+    /// Names of the boundaries by which grains leave and are taken out: no wall is all along them.
+    pub fn exits(&self) -> Vec<String> {
+        let keys = &self.scene.particles.boundaries;
+        let leads_out = |edge: &&Edge| {
+            let condition = self.boundaries.get(&edge.boundary);
+            let met = condition.map(|condition| meets(&edge.boundary, condition, keys));
+            met == Some(GrainBoundary::Removed) && !self.is_met(edge)
+        };
+        let edges = self.outline.edges.iter().filter(leads_out);
+        let names: BTreeSet<&String> = edges.map(|edge| &edge.boundary).collect();
+        names.into_iter().cloned().collect()
     }
 }

@@ -79,7 +79,7 @@ pub fn meets(
     match condition {
         Boundary::NoSlip | Boundary::Slip | Boundary::MovingWall { .. } => GrainBoundary::Wall,
         Boundary::Inflow { .. } => chosen.unwrap_or(GrainBoundary::Wall),
-        Boundary::Open { .. } => chosen.unwrap_or(GrainBoundary::Open),
+        Boundary::Open { .. } => chosen.unwrap_or(GrainBoundary::Removed),
         Boundary::Periodic => GrainBoundary::Open,
     }
 }

@@ -95,6 +95,7 @@ fn snapshot(scene: &Scene, mesh: &[(Field, Vec<f64>)], number: u64, last: u64) -
             step: number,
             time,
             fields: names,
+            grains: 0,
         },
         fields,
     }

@@ -8,6 +8,7 @@ mod draws;
 mod folders;
 mod full_disk;
 mod kills;
+mod leaving;
 mod leaving_out;
 mod meshes;
 mod processes;

@@ -105,6 +105,23 @@ where
         Ok(())
     }
 
+    /// Take grains out of the accepted state, by ascending numbers; the others keep their order.
+    pub fn remove(&mut self, gone: &[usize]) -> Result<(), Error> {
+        let count = self.grains.count();
+        let known = gone.is_sorted_by(|a, b| a < b) && gone.last().is_none_or(|&g| g < count);
+        if !known {
+            return Err(Error::Request(format!(
+                "grains {gone:?} are to leave: numbers must ascend and be below {count}"
+            )));
+        }
+        self.accepted = self.accepted.without(gone);
+        self.grains = self.grains.without(gone);
+        self.candidate = None;
+        self.previous_pass = None;
+        self.neighbours.forget();
+        Ok(())
+    }
+
     /// Accept the last candidate.
     pub fn commit(&mut self) -> Result<(), Error> {
         let candidate = self

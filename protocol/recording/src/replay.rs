@@ -8,7 +8,7 @@ use protocol::Error;
 use protocol::engine::{InitialGrains, MeshDescription};
 use protocol::field::{BOUNDARY, Field, MESH};
 use protocol::header::Stage;
-use protocol::message::{Advance, Configure, Hello, Role, ToCoupler, ToEngine};
+use protocol::message::{Advance, Capability, Configure, Hello, Role, ToCoupler, ToEngine};
 use protocol::partner::Partner;
 use protocol::scene::MeshSource;
 
@@ -160,10 +160,7 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
                 let grains = self
                     .partner
                     .configure_particles(&scene, &grains_of(scene.dimension, &inputs))?;
-                let fields = grains.slices();
-                self.answers = fields
-                    .map(|(field, values)| (field, values.to_vec()))
-                    .into();
+                self.answers = grain_fields(&grains);
             }
             ToEngine::Advance(request) => self.advance(key, &request, &inputs)?,
             ToEngine::Commit { step } => {
@@ -192,6 +189,14 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
                 self.partner.tell(&mut outputs(&mut self.answers))?;
             }
             ToEngine::Withhold { .. } | ToEngine::Tell { .. } => {}
+            ToEngine::Remove { grains } if self.removes() => {
+                let gone: Vec<usize> = grains.iter().map(|&grain| grain as usize).collect();
+                self.answers = grain_fields(&self.partner.remove(&gone)?);
+            }
+            ToEngine::Remove { .. } => {
+                let why = "grains leave there, and this engine cannot take grains out (capability RemovesGrains)";
+                self.stop(key, why.to_owned());
+            }
             ToEngine::Save { .. } | ToEngine::Finish => {}
         }
         Ok(())
@@ -202,6 +207,11 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
         let answer = self.partner.hello().answer();
         fields.retain(|field| answer.contains(field));
         fields
+    }
+
+    fn removes(&self) -> bool {
+        let able = &self.partner.hello().capabilities;
+        able.contains(&Capability::RemovesGrains)
     }
 
     /// A failure of the engine is an answer, to be compared with the recorded one; a lost or silent
@@ -282,6 +292,13 @@ fn outputs(answers: &mut [(Field, Vec<f64>)]) -> Vec<(Field, &mut Vec<f64>)> {
 
 fn is_input(stage: u32) -> bool {
     stage == Stage::Configure as u32 || stage == Stage::Advance as u32
+}
+
+fn grain_fields(grains: &InitialGrains) -> Vec<(Field, Vec<f64>)> {
+    let fields = grains.slices();
+    fields
+        .map(|(field, values)| (field, values.to_vec()))
+        .into()
 }
 
 fn mesh_fields(mesh: &MeshDescription) -> Vec<(Field, Vec<f64>)> {

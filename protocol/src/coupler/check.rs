@@ -5,7 +5,7 @@ use crate::language::engine::MeshDescription;
 use crate::language::error::Error;
 use crate::language::field::Field;
 use crate::language::header::FieldHeader;
-use crate::language::message::{Done, ToCoupler};
+use crate::language::message::{Done, Failure, FailureKind, ToCoupler};
 use crate::language::report::Report;
 use crate::language::role::Role;
 use crate::transport::exchange::Counts;
@@ -87,6 +87,19 @@ pub(crate) fn check_done(
     match done.diagnostics.iter().find(|d| !d.value.is_finite()) {
         Some(bad) => invalid(format!("the diagnostic {} is {}", bad.name, bad.value)),
         None => Ok(()),
+    }
+}
+
+/// The scene asks for a mean flow that this engine cannot keep.
+pub(crate) fn cannot_steer(who: &str, engine: &str) -> Error {
+    let why = format!(
+        "the scene steers the mean flow (fluid.mean_flow), which {engine} cannot do (capability \
+         SteersMeanFlow): write mean_flow = \"free\", or leave [engines] fluid out"
+    );
+    Error::Engine {
+        who: who.to_owned(),
+        step: 0,
+        failure: Failure::new(FailureKind::Scene, why),
     }
 }
 

@@ -10,15 +10,14 @@ use crate::language::field::Field;
 use crate::language::header::PROTOCOL_VERSION;
 use crate::language::header::{FieldHeader, Stage, other_protocol};
 use crate::language::message::{
-    Advance, Capability, Configure, Done, Failure, FailureKind, Hello, Ready, Role, ToCoupler,
-    ToEngine,
+    Advance, Capability, Configure, Done, Hello, Ready, Role, ToCoupler, ToEngine,
 };
 use crate::language::scene::{Convection, FluidScene, Limits, ParticleScene};
 use crate::run::runspace::RunSpace;
 use crate::transport::channel::{Channel, Wait, seconds};
 use crate::transport::exchange::{Counts, Moment, receive_grains};
 
-use super::check::{check_done, count, parse, same_dimension, unexpected};
+use super::check::{cannot_steer, check_done, count, parse, same_dimension, unexpected};
 use super::told;
 
 /// How long an engine may take to leave after `Finish` \[s\].
@@ -122,7 +121,7 @@ impl Partner {
             scene.convection = Convection::Always;
         }
         if !able(Capability::SteersMeanFlow) && scene.mean_flow.is_steered() {
-            return Err(self.cannot_steer());
+            return Err(cannot_steer(self.seat(), &self.hello().engine));
         }
         self.send(&ToEngine::Configure(Configure::Fluid(Box::new(scene))))?;
         let wait = Wait::new(0, "Ready", seconds(self.limits.configure));
@@ -150,20 +149,6 @@ impl Partner {
                 Ok(mesh)
             }
             other => Err(unexpected(self.seat(), 0, &other, "Ready with a mesh")),
-        }
-    }
-
-    /// The scene asks for what the engine cannot do.
-    fn cannot_steer(&self) -> Error {
-        let engine = &self.hello().engine;
-        let why = format!(
-            "the scene steers the mean flow (fluid.mean_flow), which {engine} cannot do (capability \
-             SteersMeanFlow): write mean_flow = \"free\", or leave [engines] fluid out"
-        );
-        Error::Engine {
-            who: self.seat().to_owned(),
-            step: 0,
-            failure: Failure::new(FailureKind::Scene, why),
         }
     }
 
@@ -301,6 +286,44 @@ impl Partner {
             }
         }
         Ok(())
+    }
+
+    /// Take grains out of the accepted state, by their ascending numbers: after a commit, before the next
+    /// `advance`; answered by the grains that are left. Only an engine with `Capability::RemovesGrains`
+    /// understands it.
+    pub fn remove(&mut self, grains: &[usize]) -> Result<InitialGrains, Error> {
+        let asked = grains.iter().map(|&grain| grain as u64).collect();
+        self.send(&ToEngine::Remove { grains: asked })?;
+        let wait = Wait::new(self.step, "Ready after Remove", seconds(self.limits.step));
+        let told = match self.answer(wait)? {
+            ToCoupler::Ready(Ready::Grains {
+                epoch,
+                dimension,
+                grains,
+            }) => [epoch, dimension.into(), grains],
+            other => {
+                return Err(unexpected(
+                    self.seat(),
+                    self.step,
+                    &other,
+                    "Ready with grains",
+                ));
+            }
+        };
+        let left = Counts {
+            epoch: self.counts.epoch + 1,
+            grains: self.counts.grains - grains.len(),
+            ..self.counts
+        };
+        let expected = [left.epoch, left.dimension as u64, left.grains as u64];
+        if told != expected {
+            let why = format!(
+                "epoch, dimension and number of grains are {told:?}, expected {expected:?}"
+            );
+            return Err(Error::invalid(self.seat(), self.step, "Ready", why));
+        }
+        self.counts = left;
+        receive_grains(&self.counts, &mut *self.channel, Stage::Ready, wait)
     }
 
     /// Accept the last candidate of this step.

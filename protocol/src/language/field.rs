@@ -71,6 +71,8 @@ pub enum Exchange {
     MaybeFromParticles,
     /// The boundary of the mesh: fluid → coupler with `Ready`, where it tells facets.
     Boundary,
+    /// Coupler → orchestrator with `Snapshot`, and no engine.
+    Shown,
 }
 
 /// A row of the table.
@@ -188,6 +190,8 @@ fields! {
     FacetBoundary = 6 "facet_boundary" Facet Scalar Unit::Of("–"), None, [Boundary];
     /// Velocity that the boundary gives the fluid at the middle of each facet, 0 where it gives none.
     FacetVelocity = 7 "facet_velocity" Facet Vector Unit::Of("m/s"), None, [Boundary];
+    /// Number that a grain keeps when others leave: its place among the first grains, from 0.
+    GrainId = 38 "grain_id" Grain Scalar Unit::Of("–"), None, [Shown];
 }
 
 /// Coupler → fluid.

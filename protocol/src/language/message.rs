@@ -29,6 +29,8 @@ pub enum Capability {
     SteersMeanFlow,
     /// Particles: every candidate has `GrainSpin`.
     Spin,
+    /// Particles: knows `Remove`; others are refused a scene that grains may leave.
+    RemovesGrains,
 }
 
 /// First message of an engine.
@@ -212,6 +214,9 @@ pub enum FailureKind {
     NotConverged,
 }
 
+/// Grains in one `Remove`, so that it is a message of ordinary size.
+pub const REMOVED_MAX: usize = 4096;
+
 /// Coupler → engine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum ToEngine {
@@ -245,6 +250,12 @@ pub enum ToEngine {
     Tell {
         /// Which.
         fields: Vec<Field>,
+    },
+    /// Take these grains out of the accepted state: after `Commit`, before the next `Advance`. The others
+    /// keep their order; answered by `Ready(Grains)` with the next epoch and their six fields.
+    Remove {
+        /// Their numbers in the present order, ascending; at most [`REMOVED_MAX`] at once.
+        grains: Vec<u64>,
     },
 }
 
@@ -295,6 +306,8 @@ pub enum ToOrchestrator {
         time: f64,
         /// The fields that follow.
         fields: Vec<Field>,
+        /// Grains that are left.
+        grains: u64,
     },
     /// The run ended as asked; totals (seconds by phase, worst invariants).
     Finished(Vec<Diagnostic>),

@@ -6,7 +6,7 @@
 use crate::language::field::Field;
 
 /// Fields of a state in the files for ParaView, where the scene has nodes or grains.
-pub const WRITTEN: [Field; 10] = [
+pub const WRITTEN: [Field; 11] = [
     Field::InterstitialVelocity,
     Field::Pressure,
     Field::Porosity,
@@ -17,6 +17,7 @@ pub const WRITTEN: [Field; 10] = [
     Field::GrainRadius,
     Field::GrainMass,
     Field::GrainFixed,
+    Field::GrainId,
 ];
 
 /// Number of the step.
@@ -37,6 +38,11 @@ pub const CONTACT_RESIDUAL: &str = "contact_residual";
 pub const PENETRATION_MAX: &str = "penetration_max";
 /// Smallest porosity of a node.
 pub const POROSITY_MIN: &str = "porosity_min";
+
+/// Grains that are left.
+pub const GRAINS: &str = "grains";
+/// Grains that have left so far.
+pub const REMOVED_GRAINS: &str = "removed_grains";
 
 /// Pairs that may touch in the step; 0: the step did without contacts.
 pub const CONTACT_CANDIDATES: &str = "contact_candidates";
@@ -67,7 +73,16 @@ pub fn is_cost(name: &str) -> bool {
 
 /// Is it a whole number?
 pub fn is_count(name: &str) -> bool {
-    [STEP, PASSES, SUB_STEPS, CONTACTS, CONVECTION].contains(&name) || COUNTERS.contains(&name)
+    let counts = [
+        STEP,
+        PASSES,
+        SUB_STEPS,
+        CONTACTS,
+        CONVECTION,
+        GRAINS,
+        REMOVED_GRAINS,
+    ];
+    counts.contains(&name) || COUNTERS.contains(&name)
 }
 
 /// The unit of a column, in a plane of disks per metre of depth or of balls in a slab; "–" for a number
@@ -80,6 +95,9 @@ pub fn unit(name: &str, disks: bool) -> Option<&'static str> {
         "front" | "rear" | "width" | "width98" => "m",
         "fluid_speed_max" => "m/s",
         "kinetic_energy" | "mechanical_energy" => among("J/m", "J"),
+        "removed_energy" => among("J/m", "J"),
+        "removed_volume" => among("m²", "m³"),
+        "removed_mass" => among("kg/m", "kg"),
         "inflow" | "outflow" => "m²/s",
         "pressure_drop" => "Pa",
         CONTACT_RESIDUAL | PENETRATION_MAX | POROSITY_MIN | "transfer_loss" | "reynolds" => "–",
@@ -87,7 +105,7 @@ pub fn unit(name: &str, disks: bool) -> Option<&'static str> {
         _ if is_count(name) || name.ends_with(DEFECT) => "–",
         _ if starts("centre_") => "m",
         _ if starts("fall_speed") => "m/s",
-        _ if starts("momentum_") => among("kg/s", "kg m/s"),
+        _ if starts("momentum_") || starts("removed_momentum_") => among("kg/s", "kg m/s"),
         _ if starts("force_") => "N/m",
         _ if starts("mean_pressure_gradient_") => "Pa/m",
         _ => return None,

@@ -98,15 +98,21 @@ impl MonitorReceiver {
                 names.extend((*grains > 0).then_some(Field::GrainRadius));
                 (Moment::at(Stage::Started), names)
             }
-            ToOrchestrator::Snapshot { step, time, fields } => (
-                Moment {
+            ToOrchestrator::Snapshot {
+                step,
+                time,
+                fields,
+                grains,
+            } => {
+                self.counts.grains = *grains as usize;
+                let moment = Moment {
                     step: *step,
                     pass: 0,
                     stage: Stage::Snapshot,
                     time: *time,
-                },
-                fields.clone(),
-            ),
+                };
+                (moment, fields.clone())
+            }
             _ => return Ok(Vec::new()),
         };
         let wait = Wait::new(moment.step, "a field", CONNECT);

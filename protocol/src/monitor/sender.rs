@@ -108,14 +108,15 @@ impl MonitorSender {
         self.send(&ToOrchestrator::RecordingEnded(why.to_owned()))
     }
 
-    /// Fields of the accepted state; waits until the previous snapshot was taken over.
+    /// Fields of the accepted state with this many grains; waits until the previous snapshot was taken
+    /// over.
     pub fn snapshot(
         &mut self,
-        step: u64,
-        time: f64,
+        (step, time): (u64, f64),
+        grains: usize,
         fields: &[(Field, &[f64])],
     ) -> Result<(), Error> {
-        self.step = step;
+        (self.step, self.counts.grains) = (step, grains);
         self.wait_for_answer("the previous snapshot to be taken over", TAKE_OVER)?;
         let moment = Moment {
             step,
@@ -128,7 +129,12 @@ impl MonitorSender {
                 .send(&mut *self.channel, field, moment, values)?;
         }
         let fields = fields.iter().map(|&(field, _)| field).collect();
-        self.send(&ToOrchestrator::Snapshot { step, time, fields })?;
+        self.send(&ToOrchestrator::Snapshot {
+            step,
+            time,
+            fields,
+            grains: grains as u64,
+        })?;
         self.unanswered = true;
         Ok(())
     }

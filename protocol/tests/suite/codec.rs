@@ -31,6 +31,9 @@ fn messages() -> Vec<ToEngine> {
         ToEngine::Tell {
             fields: vec![Field::Pressure],
         },
+        ToEngine::Remove {
+            grains: vec![0, 3, 1 << 40],
+        },
     ]
 }
 

@@ -39,6 +39,7 @@ fn sent(spec: &FieldSpec) -> String {
         Exchange::FromParticles => "particles, `Done`",
         Exchange::MaybeFromParticles => "particles, `Done` (optional)",
         Exchange::Boundary => "fluid, `Ready` (optional)",
+        Exchange::Shown => "coupler → orchestrator, `Snapshot`",
     });
     words.collect::<Vec<_>>().join("; ")
 }

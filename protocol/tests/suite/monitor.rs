@@ -14,6 +14,15 @@ fn diagnostics(value: f64) -> Vec<Diagnostic> {
     }]
 }
 
+/// Grains that are left after a step: three, two after step 100, none after step 150.
+fn grains(step: u64) -> usize {
+    match step {
+        0..=99 => 3,
+        100..=149 => 2,
+        _ => 0,
+    }
+}
+
 /// The coupler's part: 200 steps, a snapshot every 50, until it is told to stop.
 fn coupler(runspace: &RunSpace) {
     let mut sender = MonitorSender::connect(runspace).unwrap().unwrap();
@@ -23,9 +32,14 @@ fn coupler(runspace: &RunSpace) {
         sender.step(diagnostics(f64::from(step))).unwrap();
         last = step;
         if step % 50 == 0 {
-            let position = vec![f64::from(step); 6];
+            let left = grains(step.into());
+            let position = vec![f64::from(step); 2 * left];
             sender
-                .snapshot(step.into(), 0.5, &[(Field::GrainPosition, &position)])
+                .snapshot(
+                    (step.into(), 0.5),
+                    left,
+                    &[(Field::GrainPosition, &position)],
+                )
                 .unwrap();
         }
         if sender.stop_requested() {
@@ -66,7 +80,8 @@ fn steps_and_snapshots_arrive_in_order_and_stop_stops() {
             ToOrchestrator::Snapshot { step, .. } => {
                 snapshots += 1;
                 assert_eq!((step, steps), (50 * snapshots, 50 * snapshots as u32));
-                assert_eq!(event.fields, [(Field::GrainPosition, vec![step as f64; 6])]);
+                let position = vec![step as f64; 2 * grains(step)];
+                assert_eq!(event.fields, [(Field::GrainPosition, position)]);
                 if snapshots == 3 {
                     receiver.stop().unwrap();
                 }

@@ -77,6 +77,7 @@ fn capability(name: &str) -> PyResult<Capability> {
         ("moving-walls", Capability::MovingWalls),
         ("steers-mean-flow", Capability::SteersMeanFlow),
         ("spin", Capability::Spin),
+        ("removes-grains", Capability::RemovesGrains),
     ];
     let found = known.iter().find(|(known, _)| *known == name);
     found.map(|&(_, capability)| capability).ok_or_else(|| {
@@ -217,6 +218,23 @@ fn bytes<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyByteArray> {
     PyByteArray::new(py, &bytes)
 }
 
+/// Grains from their six arrays.
+fn grains_of(arrays: &Bound<'_, PyAny>, dimension: usize) -> PyResult<InitialGrains> {
+    let arrays: Vec<Bound<'_, PyAny>> = arrays.extract()?;
+    let arrays = arrays.iter().map(numbers).collect::<PyResult<Vec<_>>>()?;
+    let [position, velocity, radius, mass, volume, fixed] =
+        <[Vec<f64>; 6]>::try_from(arrays).unwrap_or_default();
+    Ok(InitialGrains {
+        dimension,
+        position,
+        velocity,
+        radius,
+        mass,
+        volume,
+        fixed,
+    })
+}
+
 impl FluidEngine for Bridge<'_> {
     fn identity(&self) -> (&'static str, &'static str) {
         self.parts.identity
@@ -296,19 +314,7 @@ impl ParticleEngine for Bridge<'_> {
         self.call(|py, seat| {
             let given = grains.slices().map(|(_, values)| bytes(py, values));
             let taken = seat.call_method1("configure_particles", (scene, given))?;
-            let taken: Vec<Bound<'_, PyAny>> = taken.extract()?;
-            let taken = taken.iter().map(numbers).collect::<PyResult<Vec<_>>>()?;
-            let [position, velocity, radius, mass, volume, fixed] =
-                <[Vec<f64>; 6]>::try_from(taken).unwrap_or_default();
-            Ok(InitialGrains {
-                dimension,
-                position,
-                velocity,
-                radius,
-                mass,
-                volume,
-                fixed,
-            })
+            grains_of(&taken, dimension)
         })
     }
 
@@ -340,5 +346,12 @@ impl ParticleEngine for Bridge<'_> {
 
     fn restore(&mut self, path: &Path) -> Result<(), Failure> {
         self.store("restore", path)
+    }
+
+    fn remove(&mut self, grains: &[usize]) -> Result<InitialGrains, Failure> {
+        self.call(|_, seat| {
+            let left = seat.call_method1("remove", (grains,))?;
+            grains_of(&left, self.dimension)
+        })
     }
 }

@@ -214,6 +214,12 @@ impl Driver {
         self.with(py, |partner| partner.commit(step))
     }
 
+    /// Take grains out; how many are left.
+    fn remove(&mut self, py: Python<'_>, grains: Vec<usize>) -> PyResult<usize> {
+        let left = self.with(py, |partner| partner.remove(&grains))?;
+        Ok(left.count())
+    }
+
     fn save(&mut self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         self.with(py, |partner| partner.save(&path))
     }

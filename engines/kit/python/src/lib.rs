@@ -59,6 +59,7 @@ fn fields() -> Vec<(&'static str, &'static str, Option<f64>, Vec<&'static str>)>
             Exchange::Mesh => "mesh",
             Exchange::Grains => "grains",
             Exchange::Boundary => "boundary",
+            Exchange::Shown => "shown",
         });
         (spec.name, rank, spec.default, sent.collect())
     };

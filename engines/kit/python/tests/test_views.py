@@ -236,3 +236,33 @@ def test_an_engine_is_freed_with_its_driver():
             return
         time.sleep(0.02)
     pytest.fail("the engine is still there")
+
+
+class Leaving(Falling):
+    """The same, and grains may leave."""
+
+    capabilities = ("removes-grains",)
+
+    def remove(self, gone):
+        self.grains = self.grains.without(gone)
+        return self.grains
+
+
+def test_grains_leave_and_the_others_go_on():
+    driver = driver_of(Leaving())
+    before = advance(driver).grain_position
+    driver.commit()
+    assert driver.remove([1, 4]) == 3
+    after = driver.advance(0.1, grain_drag=np.full(3, 3.0), grain_force=np.ones((3, 2)))
+    fallen = after.grain_position - 0.1 * after.grain_mean_velocity
+    np.testing.assert_allclose(fallen, before[[0, 2, 3]])
+    driver.commit()
+    assert driver.remove([0]) == 2
+
+
+def test_an_engine_that_keeps_all_fails_when_grains_leave():
+    driver = driver_of(Falling())
+    advance(driver)
+    driver.commit()
+    with pytest.raises(EngineFailed, match="falling keeps all grains"):
+        driver.remove([0])

@@ -98,7 +98,8 @@ fn hello(case: &Case) -> Result<(), Trouble> {
             Capability::ImplicitDrag
             | Capability::ContactState
             | Capability::MovingWalls
-            | Capability::Spin => case.role != Role::Particles,
+            | Capability::Spin
+            | Capability::RemovesGrains => case.role != Role::Particles,
             Capability::Checkpoint | Capability::FieldsOnRequest => false,
         };
         if foreign || hello.capabilities[..place].contains(capability) {

@@ -9,7 +9,7 @@ use protocol::message::{Advance, Capability, Role, ToEngine};
 
 use crate::bench::{Bench, Candidate, Model};
 use crate::case::{Case, Inputs};
-use crate::check::{ANSWERS, Check, REPEATABLE, Trouble};
+use crate::check::{ACCEPTS, ANSWERS, Check, REPEATABLE, Trouble};
 
 pub(super) const CHECKS: &[Check] = &[
     Check::new(
@@ -67,6 +67,13 @@ pub(super) const CHECKS: &[Check] = &[
         REPEATABLE,
         withheld,
     ),
+    Check::new(
+        "remove",
+        "after Remove the others are as they were, in their order, and go on",
+        ACCEPTS,
+        remove,
+    )
+    .only(Role::Particles),
     Check::new(
         "bad-checkpoint",
         "Restore of a file that is missing or is none is answered by Failed",
@@ -320,6 +327,51 @@ fn withheld(case: &Case) -> Result<(), Trouble> {
     bench.step_without(3, 1, &fields)?;
     bench.send(&ToEngine::Tell { fields })?;
     let to = "Tell of a candidate that is not accepted";
+    let failure = bench.must_fail(to)?;
+    bench.must_leave_broken(failure.kind.exit_code(), to)?;
+    Ok(())
+}
+
+/// A grain in the middle leaves after a step, the first one after the next.
+fn remove(case: &Case) -> Result<(), Trouble> {
+    let mut bench = Bench::greet(case)?;
+    let able = &bench.partner.hello().capabilities;
+    if !able.contains(&Capability::RemovesGrains) {
+        let why = "it does not declare RemovesGrains";
+        return Err(Trouble::Skipped(why.to_owned()));
+    }
+    let Model::Grains(mut grains) = bench.configure()? else {
+        return Err("it answers with a mesh".to_owned().into());
+    };
+    if grains.count() < 3 {
+        return Err(Trouble::Skipped("fewer than three grains".to_owned()));
+    }
+    for (step, gone) in [(1, grains.count() / 2), (2, 0)] {
+        let candidate = bench.step(step, 0)?;
+        bench.commit(step)?;
+        grains.position = candidate.field(Field::GrainPosition).to_vec();
+        grains.velocity = candidate.field(Field::GrainVelocity).to_vec();
+        grains = grains.without(&[gone]);
+        let left = bench.remove(&[gone])?;
+        let fields = grains.slices().into_iter().zip(left.slices());
+        for ((field, expected), (_, found)) in fields {
+            if expected != found {
+                let pairs = expected.iter().zip(found);
+                let first =
+                    pairs.take_while(|(a, b)| a == b).count() / field.components(grains.dimension);
+                let why = format!(
+                    "when grain {gone} has left after step {step}, {} of grain {first} is not what it was",
+                    field.name()
+                );
+                return Err(why.into());
+            }
+        }
+    }
+    bench.step(3, 1)?;
+    bench.commit(3)?;
+    let grains = vec![grains.count() as u64];
+    bench.send(&ToEngine::Remove { grains })?;
+    let to = "Remove of a grain that is not there";
     let failure = bench.must_fail(to)?;
     bench.must_leave_broken(failure.kind.exit_code(), to)?;
     Ok(())

@@ -129,6 +129,12 @@ impl RunFolder {
         }
     }
 
+    /// Is a field named in the scene?
+    fn asks_for(&self, field: Field) -> bool {
+        let names = self.fields.iter().flatten();
+        names.into_iter().any(|name| name == field.name())
+    }
+
     fn snapshot(
         &mut self,
         time: f64,
@@ -162,12 +168,15 @@ impl RunFolder {
                 .add(time, &format!("vtu/fluid_{number:04}.vtu"), &content, disk)?;
         }
         if let Some(position) = values(fields, Field::GrainPosition) {
-            let mut columns: Vec<(Field, &[f64])> = vec![(Field::GrainRadius, &self.grain_radius)];
-            columns.extend(
-                of(Support::Grain)
-                    .into_iter()
-                    .filter(|(field, _)| *field != Field::GrainPosition),
-            );
+            let radius = values(fields, Field::GrainRadius).unwrap_or(&self.grain_radius);
+            let mut columns: Vec<(Field, &[f64])> = vec![(Field::GrainRadius, radius)];
+            let own = |field: &Field| matches!(field, Field::GrainPosition | Field::GrainRadius);
+            let others = of(Support::Grain).into_iter();
+            columns.extend(others.filter(|(field, _)| !own(field)));
+            let id: Vec<f64> = (0..self.grain_radius.len()).map(|id| id as f64).collect();
+            if self.asks_for(Field::GrainId) && values(fields, Field::GrainId).is_none() {
+                columns.push((Field::GrainId, &id));
+            }
             let content = write::grains(&style, position, &columns);
             self.grain_series
                 .add(time, &format!("vtu/grains_{number:04}.vtu"), &content, disk)?;

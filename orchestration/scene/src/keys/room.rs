@@ -17,7 +17,8 @@ pub struct Particles {
     /// those of a mesh are the same ones.
     pub domain: Option<GrainDomain>,
     /// What grains meet where fluid flows in or out, by the name of the boundary: "wall" (without this key
-    /// where it is inflow) or "open" (without it where it is open). Sides that hold the fluid are walls.
+    /// where it is inflow), "removed" (taken out where they leave; without it where it is open) or "open"
+    /// (a grain that leaves ends the run). Sides that hold the fluid are walls.
     #[serde(default)]
     pub boundaries: BTreeMap<String, GrainBoundary>,
 }

@@ -100,6 +100,7 @@ async function state(index) {
     for (const [name, field] of Object.entries(packed.fields)) out.fields[name] = await shares(field);
     if (packed.position) out.position = await unpack(packed.position, 4, Float32Array);
     if (packed.grain_speed) out.speed = await shares(packed.grain_speed);
+    if (packed.grain_id) out.id = await unpack(packed.grain_id, 4, Uint32Array);
     return out;
   })();
   cache.set(index, promise);
@@ -194,7 +195,7 @@ function paintGrains(shown) {
   const style = dark.matches ? '#ff9a52' : '#cf4f0c';
   pen.fillStyle = style;
   for (let i = 0; i < count; i++) {
-    const x = toX(position[2 * i]), y = toY(position[2 * i + 1]), r = Math.max(radius[i] * film.view.scale, least);
+    const x = toX(position[2 * i]), y = toY(position[2 * i + 1]), r = Math.max(radius[shown.id ? shown.id[i] : i] * film.view.scale, least);
     if (x < -r || y < -r || x > canvas.width + r || y > canvas.height + r) continue;
     if (dry && shown.speed) {
       const k = 3 * Math.min(255, Math.floor(255 * shown.speed[i] / range[1]));
@@ -344,6 +345,7 @@ const CHARTS = [
   { title: 'Fall velocity', unit: 'm/s', lines: { fall_speed: 'mean of the grains' } },
   { title: 'Fluid', unit: 'm/s', lines: { fluid_speed_max: 'largest speed' } },
   { title: 'Front and centre', unit: 'm', lines: { rear: 'highest grain', centre_y: 'centre', front: 'lowest grain' } },
+  { title: 'Grains', unit: '', whole: true, lines: { grains: 'in the fluid', removed_grains: 'have left' } },
   { title: 'Width', unit: 'm', lines: { width: 'all grains', width98: '98 % of them' } },
   { title: 'Pressure drop', unit: 'Pa', lines: { pressure_drop: 'inflow to outflow' } },
   { title: 'Flow', unit: 'm²/s', lines: { inflow: 'in, as asked for', outflow: 'out by open sides' } },
@@ -415,8 +417,9 @@ function words() {
   const run = data.run, exit = run.exit, cost = run.cost || {}, badge = $('state');
   $('title').textContent = run.scene.name;
   const grains = run.scene.grains, steps = run.steps;
+  const gone = (data.steps.removed_grains || []).at(-1);
   const live = data.steps.step ? data.steps.step[data.steps.step.length - 1] : 0;
-  $('summary').textContent = `${exit ? steps : live} steps to t = ${quantity(exit ? run.time_reached : (data.steps.time || [0]).at(-1), 's')}` + (grains ? `, ${grains} grain${grains > 1 ? 's' : ''}` : ', no grains') + (cost.wall_total ? `, ${quantity(cost.wall_total, 's', 3)} on ${run.machine.cores} cores` : '');
+  $('summary').textContent = `${exit ? steps : live} steps to t = ${quantity(exit ? run.time_reached : (data.steps.time || [0]).at(-1), 's')}` + (grains ? `, ${grains} grain${grains > 1 ? 's' : ''}` : ', no grains') + (gone ? `, ${gone} of them left` : '') + (cost.wall_total ? `, ${quantity(cost.wall_total, 's', 3)} on ${run.machine.cores} cores` : '');
   badge.className = 'badge' + (!exit ? ' runs' : exit.code ? ' bad' : '');
   badge.textContent = !exit ? (data.live ? 'running' : 'not finished when this was written') : exit.code ? `exit ${exit.code}, ${(exit.why || '').startsWith(exit.meaning) ? exit.why : exit.meaning + ': ' + exit.why}` : 'finished';
   const cpu = cost.cpu_process || {}, phases = ['fluid', 'particles', 'coupler', 'exchange'].filter(p => cost['wall_' + p] !== undefined);

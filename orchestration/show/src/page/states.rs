@@ -23,6 +23,8 @@ pub struct Frame {
     pub position: Option<String>,
     /// Their speeds \[m/s\].
     pub grain_speed: Option<Shares>,
+    /// Their places in the stage, where some have left.
+    pub grain_id: Option<String>,
 }
 
 /// Reads the states of a run folder, also of one that is still being written.
@@ -103,6 +105,7 @@ impl Reader {
             usual: Default::default(),
             position: None,
             grain_speed: None,
+            grain_id: None,
         };
         if let (Some(state), Some(mesh)) = (&fluid, &self.mesh) {
             for (name, values) in self.fields(state, mesh)? {
@@ -115,6 +118,8 @@ impl Reader {
         if let Some(state) = &grains {
             let position = state.vectors::<2>("position")?.unwrap_or_default();
             frame.position = Some(singles(position.into_iter().flatten()));
+            let id = state.numbers("grain_id")?;
+            frame.grain_id = id.map(|id| words(id.into_iter().map(|id| id as u32)));
             frame.grain_speed = state
                 .vectors::<2>("grain_velocity")?
                 .map(|v| shares(&v.iter().map(|v| v[0].hypot(v[1])).collect::<Vec<_>>()));

@@ -139,5 +139,9 @@ fn state(time: f64, fields: &[(Field, Vec<f64>)]) -> State {
         fluid_velocity: pairs(Field::InterstitialVelocity),
         grain_position: pairs(Field::GrainPosition),
         grain_speed: speeds,
+        grain_id: values(fields, Field::GrainId)
+            .iter()
+            .map(|&id| id as u32)
+            .collect(),
     }
 }

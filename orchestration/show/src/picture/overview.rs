@@ -184,6 +184,7 @@ mod tests {
             time,
             grain_position: vec![[0.3, 0.3]],
             grain_speed: vec![0.0],
+            grain_id: Vec::new(),
             ..State::default()
         };
         let states = [state(0.0), state(1.0)];

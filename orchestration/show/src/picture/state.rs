@@ -59,10 +59,15 @@ impl Stage {
 
     /// Lower left and upper right corner of the grains, as wide as they are \[m\].
     pub fn grain_bounds(&self, state: &State) -> ([f64; 2], [f64; 2]) {
-        grain_bounds(
-            state.grain_position.iter().map(|p| p.map(f64::from)),
-            &self.grain_radius,
-        )
+        let centres = state.grain_position.iter().map(|p| p.map(f64::from));
+        let radius = |grain| self.radius(state.id(grain));
+        let radii: Vec<f64> = (0..state.grain_position.len()).map(radius).collect();
+        grain_bounds(centres, &radii)
+    }
+
+    /// Radius of a grain of the stage \[m\]; 0 of one that is not there.
+    pub fn radius(&self, id: usize) -> f64 {
+        self.grain_radius.get(id).copied().unwrap_or(0.0)
     }
 }
 
@@ -77,12 +82,19 @@ pub struct State {
     pub grain_position: Vec<[f32; 2]>,
     /// Speeds of the grains \[m/s\].
     pub grain_speed: Vec<f32>,
+    /// Their places in the stage; empty: all are there, in its order.
+    pub grain_id: Vec<u32>,
 }
 
 /// Part of a grain's speed to which a fluid that rests may be known.
 const ROUND_OFF: f64 = 1e-9;
 
 impl State {
+    /// The place of a grain in the stage.
+    pub fn id(&self, grain: usize) -> usize {
+        self.grain_id.get(grain).map_or(grain, |&id| id as usize)
+    }
+
     /// Largest speed that colours show \[m/s\]: the fluid's, or the grains' without a fluid. A fluid that
     /// moves by no more than the round-off of its grains' speed rests.
     pub fn speed_max(&self) -> f64 {

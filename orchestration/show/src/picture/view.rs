@@ -140,7 +140,8 @@ impl View {
         let window = [[self.left, self.top], [self.right(), self.bottom()]];
         for (index, position) in state.grain_position.iter().enumerate() {
             let centre = self.place(position.map(f64::from));
-            let fixed = stage.grain_fixed.get(index).copied().unwrap_or(false);
+            let id = state.id(index);
+            let fixed = stage.grain_fixed.get(id).copied().unwrap_or(false);
             let colour = match (fixed, &stage.mesh) {
                 (true, _) => FIXED_GRAIN,
                 (false, Some(_)) => GRAIN,
@@ -153,9 +154,8 @@ impl View {
                     })
                 }
             };
-            let radius = stage.grain_radius.get(index).copied().unwrap_or(0.0);
             // Touching grains stay apart to the eye.
-            let pixels = radius * self.scale;
+            let pixels = stage.radius(id) * self.scale;
             canvas.disk(
                 centre,
                 if pixels > 3.0 { pixels - 0.4 } else { pixels },

@@ -64,6 +64,8 @@ struct Toy {
     /// The last request, and its answer.
     kept: Option<(Advance, Answer)>,
     committed: Option<u64>,
+    /// Of its grains.
+    epoch: u64,
     configured: bool,
     history: History,
     /// What it was doing, named as the check of a death then.
@@ -110,6 +112,7 @@ fn serve(run: &RunSpace, fault: &str) -> Result<(), Error> {
         withheld: Vec::new(),
         kept: None,
         committed: None,
+        epoch: 1,
         configured: false,
         history: History::default(),
         state: "death-before-hello",
@@ -148,6 +151,7 @@ impl Toy {
                 Capability::ImplicitDrag,
                 Capability::Checkpoint,
                 Capability::FieldsOnRequest,
+                Capability::RemovesGrains,
             ],
         });
         let wait = Wait::new(0, "an ear", seconds("SILLAGE_CONNECT_LIMIT", 60.0));
@@ -264,6 +268,38 @@ impl Toy {
                 Ok(None)
             }
             ToEngine::Tell { fields } => self.tell(fields).map(Some),
+            ToEngine::Remove { grains } => self.remove(&grains).map(Some),
+        }
+    }
+
+    fn remove(&mut self, grains: &[u64]) -> Result<ToCoupler, Trouble> {
+        let count = self.accepted.count();
+        let mut gone: Vec<usize> = grains.iter().map(|&grain| grain as usize).collect();
+        if gone.iter().any(|&grain| grain >= count) {
+            return Err(broken(format!("Remove of {gone:?} of {count} grains")));
+        }
+        if self.is("remove") {
+            gone = vec![count - 1];
+        }
+        self.accepted = self.accepted.without(&gone);
+        (self.epoch, self.kept) = (self.epoch + 1, None);
+        let left = self.accepted.clone();
+        for (field, values) in left.slices() {
+            let expected = self.at(field, &request_at(0.0), Stage::Ready);
+            self.link.send_field(field, expected.header(), values)?;
+        }
+        Ok(ToCoupler::Ready(Ready::Grains {
+            epoch: self.epoch,
+            dimension: 2,
+            grains: left.count() as u64,
+        }))
+    }
+
+    /// What a header must say of the present grains.
+    fn at(&self, field: Field, request: &Advance, stage: Stage) -> Expected {
+        Expected {
+            epoch: self.epoch,
+            ..at(field, request, self.accepted.count(), stage)
         }
     }
 
@@ -356,11 +392,11 @@ impl Toy {
 
     fn advance(&mut self, request: &Advance) -> Result<ToCoupler, Trouble> {
         self.state = "death-within-advance";
-        let count = self.accepted.radius.len();
         let mut inputs = Vec::new();
         let mut refusal = None;
         for &field in &request.fields {
-            match self.field(field, &at(field, request, count, Stage::Advance)) {
+            let expected = self.at(field, request, Stage::Advance);
+            match self.field(field, &expected) {
                 Ok(values) => inputs.push((field, values)),
                 Err(trouble) => refusal = Some(trouble),
             }
@@ -477,8 +513,8 @@ impl Toy {
 
     fn send_kept(&mut self, field: Field) -> Result<(), Trouble> {
         let (request, fields) = self.kept.as_ref().ok_or_else(|| broken("no candidate"))?;
-        let (count, time) = (self.accepted.radius.len(), request.time + request.dt);
-        let header = at(field, request, count, Stage::Done).header();
+        let time = request.time + request.dt;
+        let header = self.at(field, request, Stage::Done).header();
         let own = fields.iter().find(|(kept, _)| *kept == field);
         let (_, values) = own.ok_or_else(|| broken("not of a candidate"))?;
         let header = FieldHeader { time, ..header };

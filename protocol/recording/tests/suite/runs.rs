@@ -30,6 +30,7 @@ pub fn begin(cells: usize) -> Begin {
         particles: Some(toy::particle_scene()),
         grains_stay: false,
         grain_boundaries: None,
+        grain_exits: Vec::new(),
         grains_file: None,
         scheme: Scheme::Staggered,
         drag: DragLaw::Dallavalle,

@@ -91,6 +91,11 @@ fn handle<S: Seat>(seat: &mut S, session: &mut Session, message: ToEngine) -> Re
         }
         ToEngine::Withhold { fields } => withhold(session, &fields)?,
         ToEngine::Tell { fields } => tell(session, fields)?,
+        ToEngine::Remove { grains } => {
+            let grains = leaving(session, &grains)?;
+            let ready = seat.remove(&grains, session).map_err(fatal)?;
+            session.send(&ToCoupler::Ready(ready))?;
+        }
         ToEngine::Finish => {}
     }
     Ok(())
@@ -110,6 +115,23 @@ fn withhold(session: &mut Session, fields: &[Field]) -> Result<(), Trouble> {
         moment: None,
     };
     Ok(())
+}
+
+/// The numbers of a `Remove`, in their order and of grains that there are.
+fn leaving(session: &Session, grains: &[u64]) -> Result<Vec<usize>, Trouble> {
+    if session.committed.is_none() || session.candidate.is_some() {
+        return Err(out_of_order("Remove without an accepted step".to_owned()));
+    }
+    let count = session.counts.grains as u64;
+    let ascending = grains.is_sorted_by(|a, b| a < b);
+    if !ascending || grains.last().is_some_and(|&last| last >= count) || grains.is_empty() {
+        let why = format!(
+            "Remove of {} grains whose numbers are not ascending and below {count}",
+            grains.len()
+        );
+        return Err(out_of_order(why));
+    }
+    Ok(grains.iter().map(|&grain| grain as usize).collect())
 }
 
 /// Send what was kept of the accepted state.

@@ -12,5 +12,5 @@ mod traits;
 
 pub use fields::{Inputs, Outputs};
 pub use serve::{run_fluid, run_particles, serve_fluid, serve_particles};
-pub use told::{FacetDescription, InitialGrains, MeshDescription};
+pub use told::{FacetDescription, InitialGrains, MeshDescription, without};
 pub use traits::{Computed, FluidEngine, ParticleEngine};

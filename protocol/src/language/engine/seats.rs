@@ -12,7 +12,7 @@ use crate::language::scene::{FluidScene, ParticleScene};
 use crate::transport::exchange::{Counts, Moment, receive_grains};
 
 use super::fields::{Inputs, Outputs};
-use super::session::{Seat, Session, Trouble, guarded};
+use super::session::{Seat, Session, Trouble, guarded, out_of_order};
 use super::told::{InitialGrains, MeshDescription};
 use super::traits::{FluidEngine, ParticleEngine};
 
@@ -130,6 +130,10 @@ impl<E: FluidEngine> Seat for FluidSeat<'_, E> {
         self.0.commit()
     }
 
+    fn remove(&mut self, _: &[usize], _: &mut Session) -> Result<Ready, Trouble> {
+        Err(out_of_order("Remove, and a fluid has no grains".to_owned()))
+    }
+
     fn save(&mut self, path: &Path) -> Result<(), Failure> {
         self.0.save(path)
     }
@@ -214,6 +218,27 @@ impl<E: ParticleEngine> Seat for ParticleSeat<'_, E> {
 
     fn commit(&mut self) -> Result<(), Failure> {
         self.0.commit()
+    }
+
+    fn remove(&mut self, grains: &[usize], session: &mut Session) -> Result<Ready, Trouble> {
+        let left = guarded(|| self.0.remove(grains))?;
+        let expected = session.counts.grains - grains.len();
+        if left.count() != expected {
+            let why = format!(
+                "{} grains are left after Remove, expected {expected}",
+                left.count()
+            );
+            return Err(Trouble::Failed(Failure::new(FailureKind::Engine, why)));
+        }
+        session.withheld.remove(grains, session.counts.dimension);
+        session.counts.epoch += 1;
+        session.counts.grains = expected;
+        send_all(&left.slices(), session)?;
+        Ok(Ready::Grains {
+            epoch: session.counts.epoch,
+            dimension: session.counts.dimension as u32,
+            grains: expected as u64,
+        })
     }
 
     fn save(&mut self, path: &Path) -> Result<(), Failure> {

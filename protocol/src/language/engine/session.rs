@@ -19,6 +19,7 @@ use crate::transport::channel::{Channel, Wait, seconds};
 use crate::transport::exchange::{Counts, Moment};
 
 use super::fields::{Inputs, Outputs};
+use super::told::without;
 
 /// How long a broken engine stays to tell why.
 pub(crate) const LAST_WORDS: Duration = Duration::from_secs(5);
@@ -40,6 +41,8 @@ pub(crate) trait Seat {
         outputs: Outputs<'_>,
     ) -> Result<(Report, Vec<Diagnostic>), Failure>;
     fn commit(&mut self) -> Result<(), Failure>;
+    /// Take grains out; sends the fields of `Ready`.
+    fn remove(&mut self, grains: &[usize], session: &mut Session) -> Result<Ready, Trouble>;
     fn save(&mut self, path: &Path) -> Result<(), Failure>;
     fn restore(&mut self, path: &Path) -> Result<(), Failure>;
 }
@@ -111,6 +114,16 @@ pub(crate) struct Withheld {
 }
 
 impl Withheld {
+    /// Grains left: so do their numbers.
+    pub(crate) fn remove(&mut self, grains: &[usize], dimension: usize) {
+        for (field, values) in &mut self.fields {
+            // nothing is kept before the first step
+            if !values.is_empty() {
+                *values = without(values, field.components(dimension), grains);
+            }
+        }
+    }
+
     /// Is this field kept back?
     pub(crate) fn has(&self, field: Field) -> bool {
         self.fields.iter().any(|&(withheld, _)| withheld == field)

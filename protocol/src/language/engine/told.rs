@@ -81,7 +81,7 @@ impl MeshDescription {
     }
 }
 
-/// Grains as they are when a run begins. Flat numbers; shapes: see [`Field`].
+/// Grains as they are when a run begins, or when others have left. Flat numbers; shapes: see [`Field`].
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct InitialGrains {
     /// Dimension d of the space.
@@ -106,6 +106,20 @@ impl InitialGrains {
         self.radius.len()
     }
 
+    /// The same without some of them, by ascending numbers.
+    pub fn without(&self, gone: &[usize]) -> InitialGrains {
+        let d = self.dimension;
+        InitialGrains {
+            dimension: d,
+            position: without(&self.position, d, gone),
+            velocity: without(&self.velocity, d, gone),
+            radius: without(&self.radius, 1, gone),
+            mass: without(&self.mass, 1, gone),
+            volume: without(&self.volume, 1, gone),
+            fixed: without(&self.fixed, 1, gone),
+        }
+    }
+
     /// The fields in the order of [`GRAINS`](crate::field::GRAINS).
     pub fn slices(&self) -> [(Field, &[f64]); 6] {
         [
@@ -116,5 +130,31 @@ impl InitialGrains {
             (Field::GrainVolume, &self.volume),
             (Field::GrainFixed, &self.fixed),
         ]
+    }
+}
+
+/// Values of `components` numbers a grain without those of some grains, by ascending numbers.
+pub fn without<T: Clone>(values: &[T], components: usize, gone: &[usize]) -> Vec<T> {
+    let mut left = Vec::with_capacity(values.len().saturating_sub(gone.len() * components));
+    let mut from = 0;
+    for &grain in gone {
+        left.extend_from_slice(&values[from..grain * components]);
+        from = (grain + 1) * components;
+    }
+    left.extend_from_slice(&values[from..]);
+    left
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_keeps_its_order() {
+        let numbers: Vec<u32> = (0..10).collect();
+        assert_eq!(without(&numbers, 2, &[0, 3]), [2, 3, 4, 5, 8, 9]);
+        assert_eq!(without(&numbers, 2, &[4]), (0..8).collect::<Vec<_>>());
+        assert_eq!(without(&numbers, 1, &[]), numbers);
+        assert!(without(&numbers, 5, &[0, 1]).is_empty());
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::language::message::{Advance, Capability, Diagnostic, Failure};
+use crate::language::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
 use crate::language::report::{FluidReport, ParticleReport};
 use crate::language::scene::{FluidScene, ParticleScene};
 
@@ -79,4 +79,11 @@ pub trait ParticleEngine {
     fn save(&mut self, path: &Path) -> Result<(), Failure>;
     /// Read the accepted state.
     fn restore(&mut self, path: &Path) -> Result<(), Failure>;
+    /// Take grains out of the accepted state, between a commit and the next step: by their numbers in the
+    /// present order, ascending. The others keep their order; answer with them as they are now. Asked of
+    /// engines with `Capability::RemovesGrains` only.
+    fn remove(&mut self, grains: &[usize]) -> Result<InitialGrains, Failure> {
+        let why = format!("{} grains leave, and this engine keeps all", grains.len());
+        Err(Failure::new(FailureKind::Engine, why))
+    }
 }

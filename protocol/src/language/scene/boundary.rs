@@ -82,8 +82,10 @@ impl<V: AsRef<[f64]>> Boundary<V> {
 pub enum GrainBoundary {
     /// A wall.
     Wall,
-    /// Nothing.
+    /// Nothing: they go on, and one that leaves the mesh ends the run.
     Open,
+    /// Nothing, and they are taken out where they leave the mesh.
+    Removed,
 }
 
 /// Shape of an inflow across its boundary.

@@ -42,6 +42,9 @@ pub struct CouplerScene {
     /// of `particles`. None: those are all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grain_boundaries: Option<BTreeMap<String, GrainBoundary>>,
+    /// Boundaries of the fluid by which grains leave and are taken out, by name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub grain_exits: Vec<String>,
     /// CSV with the initial grains: x,y,radius,density,vx,vy,fixed; relative to the run folder.
     pub grains_file: Option<String>,
     /// Coupling scheme.

@@ -34,7 +34,8 @@ class _Engine:
     #: 2 where a wall holds a grain), ``"checkpoint"`` (``restore`` brings back the same bits),
     #: ``"convection-as-needed"`` (``scene["convection"]`` may be ``"auto"``: left out while small),
     #: ``"moving-walls"`` (grains: the ``velocity`` of a wall, where it has one, enters the friction),
-    #: ``"spin"`` (grains: every candidate has ``grain_spin``).
+    #: ``"spin"`` (grains: every candidate has ``grain_spin``),
+    #: ``"removes-grains"`` (grains: ``remove`` is there).
     capabilities = ()
 
     def commit(self):
@@ -99,6 +100,14 @@ class ParticleEngine(_Engine):
         not cut): the coupler models the drag over them. Exceptions as in :meth:`FluidEngine.advance`.
         """
         raise NotImplementedError
+
+    def remove(self, gone):
+        """Take grains out of the accepted state, between a commit and the next step: ``gone`` are their
+        numbers in the present order, ascending. The others keep their order; return them as they are now
+        (:class:`sillage.Grains`; :meth:`sillage.Grains.without` helps). Called only where
+        ``capabilities`` has ``"removes-grains"``.
+        """
+        raise NotImplementedError(f"{self.name} keeps all grains")
 
 
 def run_fluid(engine):

@@ -4,6 +4,8 @@ import json
 import math
 import traceback
 
+import numpy as np
+
 from . import _native
 from .fields import INPUTS, Fields
 from .report import FluidReport, ParticleReport
@@ -84,6 +86,14 @@ class Seat:
 
     def commit(self):
         self.engine.commit()
+
+    def remove(self, gone):
+        left = self.engine.remove(np.array(gone))
+        if not isinstance(left, Grains):
+            raise TypeError(f"remove returned {type(left).__name__}, must be sillage.Grains")
+        left.__post_init__()
+        self.shape = left.position.shape
+        return left._arrays()
 
     def save(self, path):
         self.engine.save(path)

@@ -109,6 +109,11 @@ class Grains:
     def __len__(self):
         return len(self.radius)
 
+    def without(self, gone):
+        """The same without these."""
+        arrays = (self.position, self.velocity, self.radius, self.mass, self.volume, self.fixed)
+        return Grains(*(np.delete(array, gone, axis=0) for array in arrays))
+
     @classmethod
     def _from_bytes(cls, arrays, dimension):
         position, velocity, radius, mass, volume, fixed = (

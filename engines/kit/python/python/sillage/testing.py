@@ -104,6 +104,10 @@ class ParticleDriver(_Driver):
         arrays = [array.ravel() for array in grains._arrays()]
         return self._native.configure_particles(json.dumps(scene), arrays)
 
+    def remove(self, grains):
+        """Take grains out after a commit, by their ascending numbers; how many are left."""
+        return self._native.remove([int(grain) for grain in grains])
+
 
 def fluid_scene(**changes):
     """A scene's part for a fluid engine: water-like fluid at rest in a closed unit square."""
