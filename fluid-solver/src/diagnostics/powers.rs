@@ -14,7 +14,7 @@
 //!   stabilisation  ∫ τρφ(a·∇v)·R + τP∇p·R + τ_c ∇·(P v) ∇·(u + j⁰ + (cv)_h − κ∇p)
 //!                  + Σ_i d_i u_i·(R/φ − ∇p)                     (held grains, (H1))
 //!   boundary       Σ x_i (Kx − r)_i over given unknowns − ∮ p Q_n + ∮ μφ v·(∇v)ᵀn (open)
-//!                  − G·U|Ω| (mean flow)
+//!                  − ∮ ½ρφ (a·n)₋ |v|² (open, where it flows in) − G·U|Ω| (mean flow)
 //! ```
 //!
 //! φ v·∇p of the momentum and u·∇p of continuity cancel at every quadrature point. `boundary` is
@@ -29,6 +29,7 @@ use space::{Dim, Dimension, Vector, dot, quadrature};
 use super::solved::Solved;
 use crate::equations::coefficients::ViscousForm;
 use crate::equations::element::Element;
+use crate::equations::open;
 use crate::equations::point::Point;
 use crate::numbers::{Numbers, named};
 
@@ -154,7 +155,7 @@ where
             .zip(self.pressure)
             .map(|(q, p)| q * p)
             .sum();
-        reactions - inflow + self.open_traction_power() - self.driving_power()
+        reactions - inflow + self.open_power() - self.driving_power()
     }
 
     /// G·U|Ω| of what steers the mean flow.
@@ -164,15 +165,18 @@ where
             .map_or(0.0, |drive| dot(&self.driving, &drive.velocity) * size())
     }
 
-    /// ∮ μφ v·(∇v)ᵀn over open facets.
-    fn open_traction_power(&self) -> f64 {
-        if self.terms.viscous_form != ViscousForm::Symmetric {
-            return 0.0;
-        }
+    /// ∮ μφ v·(∇v)ᵀn − ½ρφ (a·n)₋ |v|² over open facets.
+    fn open_power(&self) -> f64 {
         let mut sum = 0.0;
         for facet in &self.constraints.open_facets {
             let element = Element::gather(self.terms, self.mesh, facet.simplex);
             let u = self.mesh.simplices[facet.simplex].map(|n| self.velocity[n]);
+            if open::flows_in(&element, facet) {
+                sum -= open::inflow_power(&element, facet, &u);
+            }
+            if self.terms.viscous_form != ViscousForm::Symmetric {
+                continue;
+            }
             for (on_facet, weight) in quadrature::points::<D>() {
                 let at = element.point(facet.shape(&on_facet), weight * facet.size);
                 let v = combine(&at.test, &u);

@@ -3,16 +3,16 @@
 //! Elements are added in their order: same input, same bits on any number of threads.
 
 use rayon::prelude::*;
-use space::{Dim, Dimension, quadrature};
+use space::{Dim, Dimension};
 
 use super::coefficients::{Coefficients, ViscousForm};
 use super::continuity;
 use super::element::Element;
 use super::momentum::{self, Matrix, RightSide};
+use super::open;
 use crate::boundary::constraints::Constraints;
 use crate::boundary::frame::Frame;
 use crate::linear::system::System;
-use crate::mesh::facet::BoundaryFacet;
 use crate::mesh::simplices::Mesh;
 
 /// Simplices whose blocks are computed, on all threads, before they are added in order.
@@ -54,7 +54,7 @@ where
                 }
             }
         }
-        if matrix_too && self.terms.viscous_form == ViscousForm::Symmetric {
+        if matrix_too {
             self.add_open_facets(system);
         }
         for (node, flux) in self.flux.iter().enumerate() {
@@ -83,36 +83,21 @@ where
         for facet in &self.constraints.open_facets {
             let element = Element::gather(self.terms, self.mesh, facet.simplex);
             let mut matrix = [[[[0.0; N]; N]; N]; N];
-            add_open_facet(&element, facet, &mut matrix);
+            let straight = self.terms.viscous_form == ViscousForm::Symmetric;
+            let flows_in = open::flows_in(&element, facet);
+            if !straight && !flows_in {
+                continue;
+            }
+            if straight {
+                open::add_traction(&element, facet, &mut matrix);
+            }
+            if flows_in {
+                open::add_inflow(&element, facet, &mut matrix);
+            }
             let nodes = &self.mesh.simplices[facet.simplex];
             let frames = &self.constraints.frames;
             turn(frames, nodes, &mut matrix, &mut [[0.0; N]; N]);
             system.add_matrix(facet.simplex, &matrix);
-        }
-    }
-}
-
-/// − ∮ μφ (∇v)ᵀn·w on an open facet: the natural condition becomes μφ ∂v/∂n = 0, which a
-/// fully developed flow satisfies, in place of 2μφ D(v) n = 0, which bends it.
-fn add_open_facet<const D: usize, const N: usize>(
-    element: &Element<'_, D, N>,
-    facet: &BoundaryFacet<D>,
-    matrix: &mut Matrix<N>,
-) where
-    Dim<D>: Dimension<D>,
-{
-    for (on_facet, weight) in quadrature::points::<D>() {
-        let shape = facet.shape(&on_facet);
-        let at = element.point(shape, weight * facet.size);
-        for i in facet.corner {
-            for j in 0..N {
-                for d in 0..D {
-                    let traction = at.viscosity * at.test_gradient[j][d];
-                    for f in 0..D {
-                        matrix[i][j][d][f] -= at.weight * at.test[i] * traction * facet.normal[f];
-                    }
-                }
-            }
         }
     }
 }

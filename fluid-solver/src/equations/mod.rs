@@ -3,6 +3,7 @@
 //! * [`coefficients`]: what the equations are told
 //! * [`element`], [`point`]: the values of a simplex, and what the terms share at a quadrature point
 //! * [`momentum`], [`continuity`], [`stabilization`]: the terms, entry by entry
+//! * [`open`]: the facets of open boundaries
 //! * `held`: what is different where held grains drag unevenly
 //! * [`assembly`]: the system made of them
 //! * [`drive`]: the mean of a flow through periodic sides, steered
@@ -18,6 +19,7 @@ pub mod element;
 mod held;
 pub mod manufactured;
 pub mod momentum;
+pub mod open;
 pub mod point;
 pub mod stabilization;
 

@@ -8,6 +8,7 @@ mod held;
 mod inflow;
 mod manufactured;
 mod mean_flow;
+mod open;
 mod porous;
 mod refusals;
 mod space;
