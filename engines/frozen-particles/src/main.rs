@@ -14,10 +14,10 @@ const MARK: &str = "frozen-particles: grains that do not move have no state\n";
 /// `grain_contact` of a grain that is held.
 const HELD: f64 = 2.0;
 
-/// Where the grains are.
+/// The grains, at rest.
 #[derive(Debug, Default)]
 struct Engine {
-    position: Vec<f64>,
+    grains: InitialGrains,
 }
 
 fn main() -> ExitCode {
@@ -35,6 +35,7 @@ impl ParticleEngine for Engine {
             Capability::ImplicitDrag,
             Capability::ContactState,
             Capability::Checkpoint,
+            Capability::RemovesGrains,
         ]
     }
 
@@ -44,7 +45,7 @@ impl ParticleEngine for Engine {
         mut grains: InitialGrains,
     ) -> Result<InitialGrains, Failure> {
         grains.velocity.fill(0.0);
-        self.position.clone_from(&grains.position);
+        self.grains.clone_from(&grains);
         Ok(grains)
     }
 
@@ -56,7 +57,7 @@ impl ParticleEngine for Engine {
     ) -> Result<Computed<ParticleReport>, Failure> {
         outputs
             .take(Field::GrainPosition)
-            .copy_from_slice(&self.position);
+            .copy_from_slice(&self.grains.position);
         outputs.take(Field::GrainVelocity).fill(0.0);
         outputs.take(Field::GrainMeanVelocity).fill(0.0);
         outputs.take(Field::GrainContact).fill(HELD);
@@ -77,6 +78,11 @@ impl ParticleEngine for Engine {
             Ok(_) => Err(unusable(path, "not a checkpoint of frozen-particles")),
             Err(error) => Err(unusable(path, error)),
         }
+    }
+
+    fn remove(&mut self, grains: &[usize]) -> Result<InitialGrains, Failure> {
+        self.grains = self.grains.without(grains);
+        Ok(self.grains.clone())
     }
 }
 
