@@ -61,6 +61,17 @@ pub enum Error {
         /// The other one, or a wall when not below the number of grains.
         second: usize,
     },
+    /// A sub-step in which grains may meet far more others than they can touch.
+    #[error(
+        "more than {most} pairs of {grains} grains may meet in one sub-step: it is too long; take a smaller \
+         coupling step"
+    )]
+    Crowded {
+        /// Pairs that may be.
+        most: usize,
+        /// Grains.
+        grains: usize,
+    },
     /// The contact margin kept growing.
     #[error(
         "grain {grain} is pushed {moved:.3e} m by contacts in one sub-step, beyond its margin of {margin:.3e} m, \

@@ -156,9 +156,10 @@ fn failure(error: Error) -> Failure {
     let kind = match &error {
         Error::Setup(_) => FailureKind::Scene,
         Error::NotFinite { .. } => FailureKind::NotFinite,
-        Error::NotConverged { .. } | Error::SubSteps { .. } | Error::Margin { .. } => {
-            FailureKind::NotConverged
-        }
+        Error::NotConverged { .. }
+        | Error::SubSteps { .. }
+        | Error::Crowded { .. }
+        | Error::Margin { .. } => FailureKind::NotConverged,
         Error::Request(_) | Error::Checkpoint { .. } => FailureKind::Engine,
     };
     Failure::new(kind, error.to_string())

@@ -49,6 +49,14 @@ pub fn mean_velocity<const D: usize>(velocity: &[Vector<D>], fixed: &[bool]) -> 
     sum * (1.0 / f64::max(count, 1.0))
 }
 
+/// Candidates a grain on the mean, above which a sub-step is too long to be solved: it touches six at once.
+const CROWD: usize = 256;
+
+/// Most pairs that so many grains may have; the search takes no more than one above it.
+pub fn most(count: usize) -> usize {
+    CROWD * count
+}
+
 /// Pairs that may touch, sorted by key.
 pub fn pairs<const D: usize>(
     neighbours: &mut Neighbours<D>,
@@ -77,8 +85,9 @@ fn pairs_of_grains<const D: usize>(
     Dim<D>: Dimension<D>,
 {
     let grains = place.grains;
+    let most = most(grains.count());
     neighbours.for_each_pair(place, &margin.reach(grains), |i, j, apart, image| {
-        if grains.fixed[i] && grains.fixed[j] {
+        if grains.fixed[i] && grains.fixed[j] || found.len() > most {
             return;
         }
         let (normal, distance) = direction(&apart, grains.radius[i] + grains.radius[j], i, j);

@@ -9,7 +9,7 @@ use space::{Dim, Dimension, Period, Vector, dot, norm};
 use crate::contact::delassus::{Material, System};
 use crate::contact::impulses::{Impulses, Pair};
 use crate::contact::loads::Loads;
-use crate::contact::pairs::{Margin, pairs};
+use crate::contact::pairs::{Margin, most, pairs};
 use crate::error::Error;
 use crate::grains::{Grains, State};
 use crate::search::neighbours::Neighbours;
@@ -88,12 +88,17 @@ where
             free_velocity: &free.velocity,
             push,
         };
-        pairs(neighbours, &stage.place(&state.position), &margin)
+        let pairs = pairs(neighbours, &stage.place(&state.position), &margin);
+        let (grains, most) = (stage.grains.count(), most(stage.grains.count()));
+        match pairs.len() > most {
+            true => Err(Error::Crowded { most, grains }),
+            false => Ok(pairs),
+        }
     };
     let mut push = first_push(stage.grains, &free.velocity, &state.velocity, loads.dt);
-    let mut pairs = find(&push);
+    let mut pairs = find(&push)?;
     if allow_for_impacts(&pairs, &free.velocity, loads.dt, &mut push) {
-        pairs = find(&push);
+        pairs = find(&push)?;
     }
     let mut start = state.impulses.recall(&pairs, loads.dt);
     let mut sweeps = 0;
@@ -116,7 +121,7 @@ where
         };
         last = pushed;
         let solved = impulses(&system, &pairs, loads.dt);
-        pairs = find(&push);
+        pairs = find(&push)?;
         start = solved.recall(&pairs, loads.dt);
     }
     Err(last.error())

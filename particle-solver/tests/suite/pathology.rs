@@ -395,6 +395,29 @@ fn too_many_sub_steps_are_an_error_that_names_the_pair() {
 }
 
 #[test]
+fn a_sub_step_in_which_all_may_meet_all_is_refused_as_too_long() {
+    // Thrown through each other in one sub-step: 404 550 pairs of 900 grains.
+    let mut disks = loose_disks(900, 30, 0.0, 1);
+    let middle = 2.2 * 15.0;
+    for disk in &mut disks {
+        let [x, y] = disk.position;
+        disk.velocity = [10.0 * (middle - x), 10.0 * (middle - y)];
+    }
+    let mut engine = engine(empty(), &disks);
+    let error = try_step(&mut engine, &request(1, 1.0)).unwrap_err();
+    println!("{error}");
+    assert!(matches!(
+        error,
+        Error::Crowded {
+            most: 230_400,
+            grains: 900
+        }
+    ));
+    let short = try_step(&mut engine, &request(1, 1e-4)).expect("a shorter one is solved");
+    println!("{} candidates in a shorter one", short.report.candidates);
+}
+
+#[test]
 fn unusable_input_is_refused_with_its_place() {
     let grains = Grains {
         radius: vec![1.0],
