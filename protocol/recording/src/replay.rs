@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use protocol::Error;
 use protocol::engine::{InitialGrains, MeshDescription};
-use protocol::field::{BOUNDARY, Field, MESH};
+use protocol::field::{BOUNDARY, Field, GRAINS, MESH};
 use protocol::header::Stage;
 use protocol::message::{Advance, Capability, Configure, Hello, Role, ToCoupler, ToEngine};
 use protocol::partner::Partner;
@@ -326,13 +326,5 @@ fn grains_of(dimension: usize, fields: &[(Field, Vec<f64>)]) -> InitialGrains {
             .map(|(_, values)| values.clone())
             .unwrap_or_default()
     };
-    InitialGrains {
-        dimension,
-        position: of(Field::GrainPosition),
-        velocity: of(Field::GrainVelocity),
-        radius: of(Field::GrainRadius),
-        mass: of(Field::GrainMass),
-        volume: of(Field::GrainVolume),
-        fixed: of(Field::GrainFixed),
-    }
+    InitialGrains::from_arrays(dimension, GRAINS.map(of))
 }

@@ -222,17 +222,8 @@ fn bytes<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyByteArray> {
 fn grains_of(arrays: &Bound<'_, PyAny>, dimension: usize) -> PyResult<InitialGrains> {
     let arrays: Vec<Bound<'_, PyAny>> = arrays.extract()?;
     let arrays = arrays.iter().map(numbers).collect::<PyResult<Vec<_>>>()?;
-    let [position, velocity, radius, mass, volume, fixed] =
-        <[Vec<f64>; 6]>::try_from(arrays).unwrap_or_default();
-    Ok(InitialGrains {
-        dimension,
-        position,
-        velocity,
-        radius,
-        mass,
-        volume,
-        fixed,
-    })
+    let arrays = <[Vec<f64>; 6]>::try_from(arrays).unwrap_or_default();
+    Ok(InitialGrains::from_arrays(dimension, arrays))
 }
 
 impl FluidEngine for Bridge<'_> {

@@ -156,18 +156,9 @@ impl Driver {
         let scene: ParticleScene = parse(scene)?;
         let arrays = grains.iter().map(|array| array.to_vec(py));
         let arrays = arrays.collect::<PyResult<Vec<_>>>()?;
-        let [position, velocity, radius, mass, volume, fixed] =
-            <[Vec<f64>; 6]>::try_from(arrays)
-                .map_err(|_| PyValueError::new_err("six arrays of grains expected"))?;
-        let grains = InitialGrains {
-            dimension: scene.dimension,
-            position,
-            velocity,
-            radius,
-            mass,
-            volume,
-            fixed,
-        };
+        let arrays = <[Vec<f64>; 6]>::try_from(arrays)
+            .map_err(|_| PyValueError::new_err("six arrays of grains expected"))?;
+        let grains = InitialGrains::from_arrays(scene.dimension, arrays);
         let taken = self.with(py, |partner| partner.configure_particles(&scene, &grains))?;
         Ok(taken.radius.len())
     }

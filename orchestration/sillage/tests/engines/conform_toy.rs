@@ -312,17 +312,8 @@ impl Toy {
             };
             arrays.push(self.field(field, &expected)?);
         }
-        let [position, velocity, radius, mass, volume, fixed] =
-            <[Vec<f64>; 6]>::try_from(arrays).expect("six");
-        self.accepted = InitialGrains {
-            dimension: 2,
-            position,
-            velocity,
-            radius,
-            mass,
-            volume,
-            fixed,
-        };
+        let arrays = <[Vec<f64>; 6]>::try_from(arrays).expect("six");
+        self.accepted = InitialGrains::from_arrays(2, arrays);
         let grains = self.accepted.clone();
         let mut fixed = grains.fixed.clone();
         if self.is("ready") {

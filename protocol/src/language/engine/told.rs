@@ -106,6 +106,20 @@ impl InitialGrains {
         self.radius.len()
     }
 
+    /// From the arrays in the order of [`GRAINS`](crate::field::GRAINS).
+    pub fn from_arrays(dimension: usize, arrays: [Vec<f64>; 6]) -> InitialGrains {
+        let [position, velocity, radius, mass, volume, fixed] = arrays;
+        InitialGrains {
+            dimension,
+            position,
+            velocity,
+            radius,
+            mass,
+            volume,
+            fixed,
+        }
+    }
+
     /// The same without some of them, by ascending numbers.
     pub fn without(&self, gone: &[usize]) -> InitialGrains {
         let d = self.dimension;
