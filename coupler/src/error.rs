@@ -42,7 +42,8 @@ pub enum CouplerError {
     /// A grain is not on the mesh.
     #[error(
         "grain {grain} at {at} m is outside the fluid's mesh; grains must stay inside: \
-         check the walls (particles.boundaries makes one of an open side with \"wall\" and takes grains out there with \"removed\"), or take a smaller coupling step"
+         check the walls (particles.boundaries makes one of an open side with \"wall\" and takes grains out \
+         there with \"removed\"), or take a smaller coupling step"
     )]
     GrainOutside {
         /// Which grain.

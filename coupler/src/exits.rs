@@ -51,7 +51,17 @@ where
         !self.sides.is_empty()
     }
 
-    /// Can a straight path end outside, by an open side?
+    /// Does a straight path end outside, by an open side?
+    fn is_way_out<const N: usize>(
+        &self,
+        transfer: &Transfer<D, N>,
+        from: &Vector<D>,
+        to: &Vector<D>,
+    ) -> bool {
+        self.may_cross(from, to, transfer.period()) && transfer.is_outside(to)
+    }
+
+    /// Does the box around a path meet that of an open side? Seldom, so that few grains are sought.
     fn may_cross(&self, from: &Vector<D>, to: &Vector<D>, period: &Period<D>) -> bool {
         let (lower, upper) = (from.inf(to), from.sup(to));
         let meets = |[low, high]: &[Vector<D>; 2]| {
@@ -72,8 +82,7 @@ where
         by: &Vector<D>,
     ) -> Result<Vector<D>, CouplerError> {
         let end = start + by;
-        let leaves = self.may_cross(start, &end, transfer.period()) && transfer.is_outside(&end);
-        match leaves {
+        match self.is_way_out(transfer, start, &end) {
             true => transfer.last_inside(grain, start, by),
             false => Ok(end),
         }
@@ -89,12 +98,9 @@ where
         let leaves = |&grain: &usize| {
             let end = grains.position[grain];
             let start = end - grains.mean_velocity[grain] * dt;
-            self.may_cross(&start, &end, transfer.period()) && transfer.is_outside(&end)
+            self.is_way_out(transfer, &start, &end)
         };
-        match self.are_there() {
-            true => (0..grains.count()).filter(leaves).collect(),
-            false => Vec::new(),
-        }
+        (0..grains.count()).filter(leaves).collect()
     }
 }
 

@@ -75,9 +75,10 @@ impl Listener {
             return Ok(());
         };
         simulation.fetch_unread()?;
-        let numbered = simulation.has_exits();
+        let leave = simulation.has_exits();
         let state = &simulation.state;
-        let id: Vec<f64> = state.grains.id.iter().map(|&id| id as f64).collect();
+        let numbers = || state.grains.id.iter().map(|&id| id as f64).collect();
+        let id: Option<Vec<f64>> = leave.then(numbers);
         let contact = contact_numbers(&state.grains.contact);
         let fixed: Vec<f64> = state
             .grains
@@ -103,9 +104,9 @@ impl Listener {
             fields.push((Field::GrainContact, &contact));
             fields.push((Field::GrainMass, &grains.mass));
             fields.push((Field::GrainFixed, &fixed));
-            if numbered {
+            if let Some(id) = &id {
                 fields.push((Field::GrainRadius, &grains.radius));
-                fields.push((Field::GrainId, &id));
+                fields.push((Field::GrainId, id));
             }
         }
         let moment = (state.step, state.time);

@@ -61,7 +61,8 @@ where
     /// Take out the grains that the step of length `dt` has brought outside.
     fn let_leave(&mut self, dt: f64) -> Result<(), CouplerError> {
         let (grains, removed) = (&mut self.state.grains, &mut self.state.removed);
-        let Some(immersion) = self.system.immersion() else {
+        let immersion = self.system.immersion();
+        let Some(immersion) = immersion.filter(|immersion| immersion.exits.are_there()) else {
             return Ok(());
         };
         let gone = immersion.exits.left(&immersion.transfer, grains, dt);

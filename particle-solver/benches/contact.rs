@@ -102,7 +102,7 @@ fn unit_costs(criterion: &mut Criterion) {
             free_velocity: &free.velocity,
             push: &push,
         };
-        pairs(neighbours, &place, &margin)
+        pairs(neighbours, &place, &margin).expect("few enough")
     };
     let mut group = criterion.benchmark_group("unit costs, 10000 grains");
     group.throughput(Throughput::Elements(grains.count() as u64));

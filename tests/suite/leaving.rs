@@ -1,14 +1,15 @@
 //! Grains that leave by open sides: what is left, what has left, and that the rest does not notice.
 
 use coupler::simulation::Simulation;
-use protocol::engine::{Computed, InitialGrains, Inputs, Outputs, ParticleEngine};
-use protocol::local;
-use protocol::message::{Advance, Capability, Failure, Role};
-use protocol::report::ParticleReport;
-use protocol::scene::{Boundary, CouplerScene, ParticleScene};
+use protocol::engine::InitialGrains;
+use protocol::local::spawn_particles;
+use protocol::message::Role;
+use protocol::scene::{Boundary, CouplerScene};
 use tests::grains::disks;
 use tests::recorded::leaving;
 use tests::{couple, engine, fluid, particles, scene, with_boundaries};
+
+use crate::lesser::SilentGrains;
 
 const GRAVITY: [f64; 2] = [0.0, -9.81];
 
@@ -204,54 +205,9 @@ fn a_grain_that_leaves_by_many_cells_within_a_step_is_placed_on_its_way() {
     }
 }
 
-/// An engine that keeps all grains.
-struct Keeper(particle_solver::serve::Engine);
-
-impl ParticleEngine for Keeper {
-    fn identity(&self) -> (&'static str, &'static str) {
-        ("keeper", "1")
-    }
-
-    fn capabilities(&self) -> Vec<Capability> {
-        let able = self.0.capabilities().into_iter();
-        able.filter(|&able| able != Capability::RemovesGrains)
-            .collect()
-    }
-
-    fn configure(
-        &mut self,
-        scene: &ParticleScene,
-        grains: InitialGrains,
-    ) -> Result<InitialGrains, Failure> {
-        self.0.configure(scene, grains)
-    }
-
-    fn advance(
-        &mut self,
-        request: &Advance,
-        inputs: &Inputs<'_>,
-        outputs: Outputs<'_>,
-    ) -> Result<Computed<ParticleReport>, Failure> {
-        self.0.advance(request, inputs, outputs)
-    }
-
-    fn commit(&mut self) -> Result<(), Failure> {
-        self.0.commit()
-    }
-
-    fn save(&mut self, path: &std::path::Path) -> Result<(), Failure> {
-        self.0.save(path)
-    }
-
-    fn restore(&mut self, path: &std::path::Path) -> Result<(), Failure> {
-        self.0.restore(path)
-    }
-}
-
 /// The same scene with an engine that keeps all grains.
 fn kept(scene: CouplerScene, grains: &InitialGrains) -> Result<Simulation<2, 3>, String> {
-    let keeper = local::spawn_particles(|| Keeper(particle_solver::serve::Engine::default()));
-    let keeper = keeper.expect("a hello");
+    let keeper = spawn_particles(SilentGrains::default).expect("a hello");
     let fluid = engine(Role::Fluid, None);
     Simulation::new(scene, Some(fluid), Some(keeper), grains).map_err(|error| {
         assert_eq!(error.exit_code(), 2);
@@ -264,7 +220,9 @@ fn an_engine_that_keeps_all_is_refused_unless_none_may_leave() {
     let (mut scene, grains) = rain(true, &[[0.05, 0.004]], [5, 10], 2e-3);
     let why = kept(scene.clone(), &grains).err().expect("refused");
     println!("{why}");
-    assert!(why.contains("keeper") && why.contains("bottom, top") && why.contains("\"open\""));
+    assert!(
+        why.contains("silent-grains") && why.contains("bottom, top") && why.contains("\"open\"")
+    );
     // A side that is only open: the grain ends the run.
     scene.grain_exits = Vec::new();
     let mut simulation = kept(scene, &grains).expect("taken");

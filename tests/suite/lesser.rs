@@ -53,9 +53,9 @@ impl FluidEngine for PlainFluid {
     }
 }
 
-/// The built-in grains that do not tell who touches.
+/// The built-in grains that do not tell who touches, and keep all.
 #[derive(Default)]
-struct SilentGrains(Particles);
+pub struct SilentGrains(Particles);
 
 impl ParticleEngine for SilentGrains {
     fn identity(&self) -> (&'static str, &'static str) {

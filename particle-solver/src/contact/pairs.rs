@@ -4,6 +4,7 @@ use space::vector::from_fn;
 use space::{Dim, Dimension, Vector, dot, norm};
 
 use crate::contact::impulses::{Key, Pair};
+use crate::error::Error;
 use crate::grains::Grains;
 use crate::search::neighbours::Neighbours;
 use crate::search::place::Place;
@@ -53,27 +54,31 @@ pub fn mean_velocity<const D: usize>(velocity: &[Vector<D>], fixed: &[bool]) -> 
 const CROWD: usize = 256;
 
 /// Most pairs that so many grains may have; the search takes no more than one above it.
-pub fn most(count: usize) -> usize {
+fn most(count: usize) -> usize {
     CROWD * count
 }
 
-/// Pairs that may touch, sorted by key.
+/// Pairs that may touch, sorted by key; an error where they are too many to be solved.
 pub fn pairs<const D: usize>(
     neighbours: &mut Neighbours<D>,
     place: &Place<'_, D>,
     margin: &Margin<'_, D>,
-) -> Vec<Pair<D>>
+) -> Result<Vec<Pair<D>>, Error>
 where
     Dim<D>: Dimension<D>,
 {
     let grains = place.grains;
     if grains.fixed.iter().all(|&fixed| fixed) {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let mut found = Vec::new();
     pairs_of_grains(neighbours, place, margin, &mut found);
     pairs_with_walls(neighbours, place, margin, &mut found);
-    sort(found, grains.count())
+    let (grains, most) = (grains.count(), most(grains.count()));
+    match found.len() > most {
+        true => Err(Error::Crowded { most, grains }),
+        false => Ok(sort(found, grains)),
+    }
 }
 
 fn pairs_of_grains<const D: usize>(

@@ -9,7 +9,7 @@ use space::{Dim, Dimension, Period, Vector, dot, norm};
 use crate::contact::delassus::{Material, System};
 use crate::contact::impulses::{Impulses, Pair};
 use crate::contact::loads::Loads;
-use crate::contact::pairs::{Margin, most, pairs};
+use crate::contact::pairs::{Margin, pairs};
 use crate::error::Error;
 use crate::grains::{Grains, State};
 use crate::search::neighbours::Neighbours;
@@ -88,12 +88,7 @@ where
             free_velocity: &free.velocity,
             push,
         };
-        let pairs = pairs(neighbours, &stage.place(&state.position), &margin);
-        let (grains, most) = (stage.grains.count(), most(stage.grains.count()));
-        match pairs.len() > most {
-            true => Err(Error::Crowded { most, grains }),
-            false => Ok(pairs),
-        }
+        pairs(neighbours, &stage.place(&state.position), &margin)
     };
     let mut push = first_push(stage.grains, &free.velocity, &state.velocity, loads.dt);
     let mut pairs = find(&push)?;

@@ -129,12 +129,6 @@ impl RunFolder {
         }
     }
 
-    /// Is a field named in the scene?
-    fn asks_for(&self, field: Field) -> bool {
-        let names = self.fields.iter().flatten();
-        names.into_iter().any(|name| name == field.name())
-    }
-
     fn snapshot(
         &mut self,
         time: f64,
@@ -146,10 +140,9 @@ impl RunFolder {
         }
         let number = self.snapshots;
         self.snapshots += 1;
-        let wanted = |field: &Field| match &self.fields {
-            Some(names) => names.iter().any(|name| name == field.name()),
-            None => true,
-        };
+        let names = self.fields.as_deref();
+        let asked = |field: Field| names.map(|names| names.iter().any(|name| name == field.name()));
+        let wanted = |field: &Field| asked(*field).unwrap_or(true);
         let of = |support: Support| -> Vec<(Field, &[f64])> {
             fields
                 .iter()
@@ -173,10 +166,12 @@ impl RunFolder {
             let own = |field: &Field| matches!(field, Field::GrainPosition | Field::GrainRadius);
             let others = of(Support::Grain).into_iter();
             columns.extend(others.filter(|(field, _)| !own(field)));
-            let id: Vec<f64> = (0..self.grain_radius.len()).map(|id| id as f64).collect();
-            if self.asks_for(Field::GrainId) && values(fields, Field::GrainId).is_none() {
-                columns.push((Field::GrainId, &id));
-            }
+            // Where nobody leaves they are numbers in a row, for who asks.
+            let told = values(fields, Field::GrainId).is_some();
+            let in_a_row = || (0..radius.len()).map(|id| id as f64).collect();
+            let id: Option<Vec<f64>> =
+                (!told && asked(Field::GrainId) == Some(true)).then(in_a_row);
+            columns.extend(id.as_deref().map(|id| (Field::GrainId, id)));
             let content = write::grains(&style, position, &columns);
             self.grain_series
                 .add(time, &format!("vtu/grains_{number:04}.vtu"), &content, disk)?;
