@@ -72,6 +72,17 @@ pub enum Error {
         /// Grains.
         grains: usize,
     },
+    /// Grains move so far in a step, or a part of it, that everybody may meet everybody.
+    #[error(
+        "grains move so far that there are more than {most} distances between {grains} of them to look at: the \
+         step is too long; take a smaller coupling step"
+    )]
+    TooFar {
+        /// Distances that a search may cost.
+        most: usize,
+        /// Grains.
+        grains: usize,
+    },
     /// The contact margin kept growing.
     #[error(
         "grain {grain} is pushed {moved:.3e} m by contacts in one sub-step, beyond its margin of {margin:.3e} m, \

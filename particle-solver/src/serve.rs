@@ -159,6 +159,7 @@ fn failure(error: Error) -> Failure {
         Error::NotConverged { .. }
         | Error::SubSteps { .. }
         | Error::Crowded { .. }
+        | Error::TooFar { .. }
         | Error::Margin { .. } => FailureKind::NotConverged,
         Error::Request(_) | Error::Checkpoint { .. } => FailureKind::Engine,
     };

@@ -7,7 +7,8 @@
 //! ```
 //!
 //! |v_i − v_j| ≤ |v_i − v̄| + |v_j − v̄|, so no pair that closes its gap at these velocities is missed;
-//! pairs that only pass each other by are counted too.
+//! pairs that only pass each other by are counted too. Where so many are in reach that looking would take
+//! minutes, everybody may touch.
 
 use space::{Period, Vector, dot, grid::Grid, hypot};
 
@@ -15,6 +16,9 @@ use crate::state::{Contact, Grains};
 
 /// Part of a radius that counts as touching whatever the velocity.
 const NEAR: f64 = 0.05;
+
+/// Distances a grain on the mean, above which everybody may touch somebody.
+const DISTANCES_MAX: usize = 10_000;
 
 /// What grains may touch besides each other.
 #[derive(Debug, Clone)]
@@ -48,7 +52,12 @@ impl<const D: usize> Proximity<D> {
         };
         let of_pairs: Vec<f64> = (0..count).map(|i| reach(i, &mean)).collect(); // (P1)
         let grid = Grid::build(&grains.position, &of_pairs, &self.period);
-        grid.for_each_pair(|i, j, _, _| (may[i], may[j]) = (true, true));
+        let visited = grid.for_each_pair_within(DISTANCES_MAX * count, |i, j, _, _| {
+            (may[i], may[j]) = (true, true);
+        });
+        if visited.is_err() {
+            return vec![true; count];
+        }
         for (i, may) in may.iter_mut().enumerate() {
             let to_wall = reach(i, &Vector::zeros()); // (P2)
             let near = |wall: &[Vector<D>; D]| distance(wall, &grains.position[i]) <= to_wall;

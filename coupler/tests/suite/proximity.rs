@@ -104,3 +104,17 @@ fn the_grid_finds_what_all_pairs_find() {
     finds_all::<2>(200, 6.0);
     finds_all::<3>(200, 2.5);
 }
+
+#[test]
+fn where_everybody_is_near_everybody_nobody_is_looked_for_one_by_one() {
+    // All in one place, but for the last, who is alone.
+    let crowd = |count: usize| {
+        let mut places = vec![Vector::<2>::zeros(); count];
+        places.push(Vector::from([1e3, 0.0]));
+        let rest = grains(places, vec![Vector::zeros(); count + 1]);
+        may_touch(&open([None; 2]), &rest, 1e-3)
+    };
+    assert_eq!(crowd(1000).last(), Some(&false));
+    // 1.1e8 pairs: more than looking is worth.
+    assert!(crowd(15_000).into_iter().all(|may| may));
+}

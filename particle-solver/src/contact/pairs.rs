@@ -72,7 +72,7 @@ where
         return Ok(Vec::new());
     }
     let mut found = Vec::new();
-    pairs_of_grains(neighbours, place, margin, &mut found);
+    pairs_of_grains(neighbours, place, margin, &mut found)?;
     pairs_with_walls(neighbours, place, margin, &mut found);
     let (grains, most) = (grains.count(), most(grains.count()));
     match found.len() > most {
@@ -86,7 +86,8 @@ fn pairs_of_grains<const D: usize>(
     place: &Place<'_, D>,
     margin: &Margin<'_, D>,
     found: &mut Vec<Pair<D>>,
-) where
+) -> Result<(), Error>
+where
     Dim<D>: Dimension<D>,
 {
     let grains = place.grains;
@@ -106,7 +107,7 @@ fn pairs_of_grains<const D: usize>(
             };
             found.push(Pair { key, normal, gap });
         }
-    });
+    })
 }
 
 fn pairs_with_walls<const D: usize>(

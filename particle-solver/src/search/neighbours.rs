@@ -14,10 +14,11 @@
 //! bits as a new search. A grain whose distance from all walls has not been used up by its own
 //! displacement looks at no wall.
 
-use space::grid::{Grid, SPARE, pair_images};
+use space::grid::{Grid, SPARE, TooFar, pair_images};
 use space::periodic::{Image, shortest_image};
 use space::{Dim, Dimension, Vector, norm};
 
+use crate::error::Error;
 use crate::search::place::Place;
 use crate::walls::near::WallContact;
 
@@ -25,6 +26,12 @@ use crate::walls::near::WallContact;
 const SAFE: f64 = 1.0 - 1e-6;
 /// Reach beyond the radius, of the radius, above which a list is too long to be worth keeping.
 const LOOK_AHEAD_MAX: f64 = 2.0;
+
+/// Distances a grain that a search may cost in the plane: grains that overlap little and are looked for three
+/// radii far have 300 at most.
+const DISTANCES_MAX: usize = 2000;
+/// As many times that in space.
+const DISTANCES_OF_SPACE: usize = 14;
 
 /// The pairs of the last search.
 #[derive(Debug, Clone, Default)]
@@ -54,16 +61,18 @@ where
         self.reference.clear();
     }
 
-    /// Visit every pair (i < j, xᵢ − xⱼ, image) whose reaches overlap, each image of it once.
+    /// Visit every pair (i < j, xᵢ − xⱼ, image) whose reaches overlap, each image of it once; an error
+    /// where grains reach so far that looking takes too long.
     pub fn for_each_pair(
         &mut self,
         place: &Place<'_, D>,
         reach: &[f64],
         mut visit: impl FnMut(usize, usize, Vector<D>, Image),
-    ) {
-        if self.search_always || !self.cover(place, reach) {
+    ) -> Result<(), Error> {
+        if self.search_always || !self.cover(place, reach)? {
             self.searches += 1;
-            return Grid::build(place.position, reach, &place.period).for_each_pair(visit);
+            let grid = Grid::build(place.position, reach, &place.period);
+            return limited(&grid, place.grains.count(), visit);
         }
         let largest = reach.iter().copied().fold(0.0, f64::max);
         let mut periods = place.period.iter().flatten();
@@ -77,6 +86,7 @@ where
                 visit(i, j, apart, image);
             });
         }
+        Ok(())
     }
 
     /// Is the list as good as a search whose work is limited: is it certain that no cell of the search
@@ -87,9 +97,13 @@ where
     ///   cube of side 2R + R (periodic: 2.7R + R, six R or more in a period);
     /// * reaches are at most a quarter of a radius beyond the radius and no two grains overlap by
     ///   more than a tenth, so that balls of 0.36 R do, in 2R + 0.72R (2.2R, twenty R).
-    pub fn replaces_limited_search(&mut self, place: &Place<'_, D>, reach: &[f64]) -> bool {
-        if self.search_always || !self.cover(place, reach) {
-            return false;
+    pub fn replaces_limited_search(
+        &mut self,
+        place: &Place<'_, D>,
+        reach: &[f64],
+    ) -> Result<bool, Error> {
+        if self.search_always || !self.cover(place, reach)? {
+            return Ok(false);
         }
         let radius = &place.grains.radius;
         let largest = reach.iter().copied().fold(0.0, f64::max);
@@ -100,9 +114,10 @@ where
         let mut close = reach.iter().zip(radius);
         let close = periods(20.0) && close.all(|(reach, radius)| *reach <= 1.25 * radius);
         if !periods(6.0) {
-            return false;
+            return Ok(false);
         }
-        self.pairs.iter().all(|&(i, j)| {
+        let mut pairs = self.pairs.iter();
+        Ok(pairs.all(|&(i, j)| {
             let (i, j) = (i as usize, j as usize);
             let least = match close {
                 true => 0.9 * (radius[i] + radius[j]),
@@ -110,7 +125,7 @@ where
             };
             let apart = place.position[i] - place.position[j];
             norm(&shortest_image(apart, &place.period)) > least
-        })
+        }))
     }
 
     /// Call `visit` for every wall closer than `reach` to the surface of a grain.
@@ -133,21 +148,22 @@ where
     }
 
     /// Let the list hold every pair within reach; false when that is not worth it.
-    fn cover(&mut self, place: &Place<'_, D>, reach: &[f64]) -> bool {
+    fn cover(&mut self, place: &Place<'_, D>, reach: &[f64]) -> Result<bool, Error> {
         if self.still_holds(place, reach) {
-            return true;
+            return Ok(true);
         }
         let radius = &place.grains.radius;
         let far = |(reach, radius): (&f64, &f64)| reach - radius > LOOK_AHEAD_MAX * radius;
         if reach.iter().zip(radius).any(far) {
-            return false;
+            return Ok(false);
         }
-        self.renew(place, reach);
-        true
+        self.forget();
+        self.renew(place, reach)?;
+        Ok(true)
     }
 
     /// Search for every pair within reach and some more.
-    fn renew(&mut self, place: &Place<'_, D>, reach: &[f64]) {
+    fn renew(&mut self, place: &Place<'_, D>, reach: &[f64]) -> Result<(), Error> {
         let radius = &place.grains.radius;
         self.spare.clear();
         let pairs = reach.iter().zip(radius);
@@ -156,19 +172,20 @@ where
         let wider: Vec<f64> = self.spare.iter().zip(radius).map(|(s, r)| s + r).collect();
         let found = &mut self.pairs;
         found.clear();
-        Grid::build(place.position, &wider, &place.period).for_each_pair(|i, j, _, _| {
+        self.searches += 1;
+        let grid = Grid::build(place.position, &wider, &place.period);
+        limited(&grid, radius.len(), |i, j, _, _| {
             let pair = (i as u32, j as u32);
             // Images of a pair follow each other.
             if found.last() != Some(&pair) {
                 found.push(pair);
             }
-        });
-        self.searches += 1;
-        self.reference.clear();
+        })?;
         self.reference.extend_from_slice(place.position);
         self.wall_distance.clear();
         let distances = place.position.iter().map(|x| place.walls.distance(x));
         self.wall_distance.extend(distances);
+        Ok(())
     }
 
     /// (V1)
@@ -185,6 +202,17 @@ where
             norm(&(moved(grain) - mean)) + need <= SAFE * self.spare[grain]
         })
     }
+}
+
+/// Visit every pair of a new search, unless there are too many distances.
+pub fn limited<const D: usize>(
+    grid: &Grid<D>,
+    grains: usize,
+    visit: impl FnMut(usize, usize, Vector<D>, Image),
+) -> Result<(), Error> {
+    let most = DISTANCES_MAX * DISTANCES_OF_SPACE.pow(D as u32 - 2) * grains;
+    let visited = grid.for_each_pair_within(most, visit);
+    visited.map_err(|TooFar { most }| Error::TooFar { most, grains })
 }
 
 #[cfg(test)]
@@ -215,9 +243,10 @@ mod tests {
         Dim<D>: Dimension<D>,
     {
         let mut found = Vec::new();
-        neighbours.for_each_pair(place, reach, |i, j, apart, image| {
+        let visited = neighbours.for_each_pair(place, reach, |i, j, apart, image| {
             found.push((i, j, image, <[f64; D]>::from(apart).map(f64::to_bits)));
         });
+        visited.expect("few distances");
         found.sort_unstable();
         found
     }

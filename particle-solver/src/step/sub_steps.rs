@@ -19,7 +19,7 @@ use space::{Dim, Dimension, Linear, Vector, dot, norm};
 
 use crate::contact::pairs::Margin;
 use crate::error::Error;
-use crate::search::neighbours::Neighbours;
+use crate::search::neighbours::{Neighbours, limited};
 use crate::search::place::Place;
 
 /// Artificial gap allowed for the worst pair in a sub-step, of the smaller radius.
@@ -47,7 +47,7 @@ where
     if place.grains.fixed.iter().all(|&fixed| fixed) {
         return Ok(1);
     }
-    let (reach, grid, parts) = search(neighbours, place, free_velocity, dt);
+    let (reach, grid, parts) = search(neighbours, place, free_velocity, dt)?;
     let mut worst = Worst {
         needed: parts,
         pair: (0, 0),
@@ -56,8 +56,8 @@ where
         worst.grains(place, free_velocity, dt, (i, j), &apart);
     };
     match grid {
-        Some(grid) => grid.for_each_pair(between),
-        None => neighbours.for_each_pair(place, &reach, between),
+        Some(grid) => limited(&grid, place.grains.count(), between)?,
+        None => neighbours.for_each_pair(place, &reach, between)?,
     }
     worst.walls(neighbours, place, free_velocity, dt);
     let needed = worst.needed.ceil().max(1.0);
@@ -146,7 +146,7 @@ fn search<const D: usize>(
     place: &Place<'_, D>,
     free_velocity: &[Vector<D>],
     dt: f64,
-) -> (Vec<f64>, Option<Grid<D>>, f64)
+) -> Result<(Vec<f64>, Option<Grid<D>>, f64), Error>
 where
     Dim<D>: Dimension<D>,
 {
@@ -165,13 +165,13 @@ where
             push: &push,
         };
         let reach = margin.reach(grains);
-        if parts == 1.0 && neighbours.replaces_limited_search(place, &reach) {
-            return (reach, None, parts);
+        if parts == 1.0 && neighbours.replaces_limited_search(place, &reach)? {
+            return Ok((reach, None, parts));
         }
         neighbours.searches += 1;
         let grid = Grid::build(place.position, &reach, &place.period);
-        if grid.work() <= work_max * grains.count() as f64 || parts >= PARTS_MAX {
-            return (reach, Some(grid), parts);
+        if grid.works_within(work_max * grains.count() as f64) || parts >= PARTS_MAX {
+            return Ok((reach, Some(grid), parts));
         }
         parts *= 2.0;
     }

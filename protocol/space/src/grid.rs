@@ -41,6 +41,13 @@ struct Level<const D: usize> {
     entries: Vec<Entry<D>>,
 }
 
+/// A search was given up: bodies reach so far that there are more than so many distances between them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TooFar {
+    /// Distances that the search was allowed.
+    pub most: usize,
+}
+
 /// Cell lists over all levels.
 ///
 /// ```
@@ -79,28 +86,44 @@ impl<const D: usize> Grid<D> {
         Grid { levels, period }
     }
 
-    /// About how many distances `for_each_pair` will compute.
-    pub fn work(&self) -> f64 {
+    /// Will `for_each_pair` compute about so many distances at most? Found out with no more work than that.
+    pub fn works_within(&self, most: f64) -> bool {
         let half = 0.5 * 3f64.powi(D as i32);
-        let levels = self.levels.iter();
-        levels.map(|level| half * level.shared() as f64).sum()
+        let mut left = (most / half) as usize;
+        let mut levels = self.levels.iter();
+        levels.all(|level| level.shares_within(&mut left))
     }
 
     /// Visit every pair (i < j, xᵢ − xⱼ, image) whose reaches overlap, each image of it once,
     /// always in the same order.
-    pub fn for_each_pair(&self, mut visit: impl FnMut(usize, usize, Vector<D>, Image)) {
+    pub fn for_each_pair(&self, visit: impl FnMut(usize, usize, Vector<D>, Image)) {
+        let all = self.for_each_pair_within(usize::MAX, visit);
+        debug_assert!(all.is_ok(), "there is no limit");
+    }
+
+    /// The same, given up when more than about so many distances are looked at: some pairs have been visited then.
+    pub fn for_each_pair_within(
+        &self,
+        most: usize,
+        mut visit: impl FnMut(usize, usize, Vector<D>, Image),
+    ) -> Result<(), TooFar> {
+        let mut looks = 0;
         for (number, own) in self.levels.iter().enumerate() {
             for (coarse, other) in self.levels.iter().enumerate().skip(number) {
                 let same = coarse == number;
                 let search = Search::new(other, same);
                 for (place, entry) in own.entries.iter().enumerate() {
-                    self.around(entry, place, other, &search, &mut visit);
+                    looks += self.around(entry, place, other, &search, &mut visit);
+                    if looks > most {
+                        return Err(TooFar { most });
+                    }
                 }
             }
         }
+        Ok(())
     }
 
-    /// Visit the pairs of one body with those of `level`.
+    /// Visit the pairs of one body with those of `level`; how many bodies were looked at.
     fn around(
         &self,
         entry: &Entry<D>,
@@ -108,7 +131,8 @@ impl<const D: usize> Grid<D> {
         level: &Level<D>,
         search: &Search<D>,
         visit: &mut impl FnMut(usize, usize, Vector<D>, Image),
-    ) {
+    ) -> usize {
+        let mut looks = 0;
         let home = if search.same {
             entry.cell
         } else {
@@ -118,6 +142,7 @@ impl<const D: usize> Grid<D> {
             let cell = level.neighbour(home, offset);
             let slot = level.slot(cell);
             let (first, last) = (level.start[slot] as usize, level.start[slot + 1] as usize);
+            looks += last - first;
             for (at, other) in level.entries[first..last].iter().enumerate() {
                 let repeated = match search.rule {
                     Rule::Later => offset == [0; D] && first + at <= place,
@@ -129,6 +154,7 @@ impl<const D: usize> Grid<D> {
                 }
             }
         }
+        looks
     }
 
     /// Visit one pair, as the lower number sees it.
@@ -326,14 +352,18 @@ impl<const D: usize> Level<D> {
         }
     }
 
-    /// Σ over bodies of the bodies in the same cell.
-    fn shared(&self) -> usize {
-        let slots = self.start.windows(2).map(|slot| {
+    /// Take Σ over bodies of the bodies in the same cell off what is left; false when that is less.
+    fn shares_within(&self, left: &mut usize) -> bool {
+        let mut slots = self.start.windows(2);
+        slots.all(|slot| {
             let entries = &self.entries[slot[0] as usize..slot[1] as usize];
             let same = |entry: &Entry<D>| entries.iter().filter(|e| e.cell == entry.cell).count();
-            entries.iter().map(same).sum::<usize>()
-        });
-        slots.sum()
+            entries.iter().all(|entry| {
+                let rest = left.checked_sub(same(entry));
+                *left = rest.unwrap_or(0);
+                rest.is_some()
+            })
+        })
     }
 
     #[inline]

@@ -1,6 +1,6 @@
 //! The cell grid against all distances, in the plane and in space.
 
-use crate::grid::Grid;
+use crate::grid::{Grid, TooFar};
 use crate::periodic::{Image, Period, each_image, shifted, shortest_image};
 use crate::vector::{Vector, dot, from_fn};
 
@@ -94,6 +94,26 @@ fn the_work_told_is_about_that_of_the_pairs() {
         .map(|k| Vector::from([k % 10, k / 10 % 10, k / 100].map(f64::from)))
         .collect();
     let grid = Grid::build(&lattice, &[0.499; 1000], &[None; 3]);
-    println!("{} distances", grid.work());
-    assert!((grid.work() / 1000.0 - 13.5).abs() < 10.0);
+    let told = (0..100).find(|most| grid.works_within(f64::from(1000 * most)));
+    println!("{told:?} distances a body");
+    assert!(told.is_some_and(|told| (4..24).contains(&told)));
+}
+
+#[test]
+fn a_search_with_a_limit_visits_no_more_pairs_and_says_so() {
+    // All in one cell: 1 999 000 pairs.
+    let (count, most) = (2000, 50_000);
+    let (position, reach) = (vec![Vector::<2>::zeros(); count], vec![1.0; count]);
+    let grid = Grid::build(&position, &reach, &[None; 2]);
+    let mut visited = 0;
+    let outcome = grid.for_each_pair_within(most, |_, _, _, _| visited += 1);
+    println!("{visited} pairs visited, {outcome:?}");
+    assert_eq!(outcome, Err(TooFar { most }));
+    // a body is looked at to its end
+    assert!(visited > 0 && visited <= most + count);
+    assert!(!grid.works_within(most as f64));
+    let mut all = 0;
+    let outcome = grid.for_each_pair_within(count * count, |_, _, _, _| all += 1);
+    assert_eq!((outcome, all), (Ok(()), count * (count - 1) / 2));
+    assert!(grid.works_within(4.5 * (count * count) as f64));
 }
