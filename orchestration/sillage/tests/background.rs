@@ -7,6 +7,8 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Once;
 use std::time::{Duration, Instant};
 
+use crate::schema;
+
 /// Longest time between a death and the end of everybody else.
 pub const LEAVING_MAX: Duration = Duration::from_secs(6);
 /// A machine that is busy with other tests may take long to get a run going.
@@ -25,6 +27,7 @@ pub fn root() -> PathBuf {
 
 /// The program with these arguments: exit code, stdout, stderr.
 pub fn sillage(arguments: &[&str]) -> (Option<i32>, String, String) {
+    schema::of_command(Path::new("."), arguments);
     let output = Command::new(programs().join("sillage"))
         .args(arguments)
         .output()
@@ -94,6 +97,7 @@ pub struct Run {
 impl Run {
     pub fn start(arguments: &[String]) -> Run {
         need_programs();
+        schema::of_command(Path::new("."), &[&["run".to_string()], arguments].concat());
         let folder = tempfile::tempdir().expect("a folder");
         let child = Command::new(env!("CARGO_BIN_EXE_sillage"))
             .arg("run")

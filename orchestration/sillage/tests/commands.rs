@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::background::{need_programs, programs, root};
+use crate::schema;
 
 /// Run the dry collapse for a step from a folder of its own; exit code and words.
 fn run(folder: &Path, program: &str) -> (Option<i32>, String) {
@@ -12,14 +13,15 @@ fn run(folder: &Path, program: &str) -> (Option<i32>, String) {
     let scene = folder.join("scenes/own/scene.toml");
     std::fs::create_dir_all(scene.parent().expect("a folder")).expect("made");
     std::fs::copy(root().join("scenes/dry-collapse.toml"), &scene).expect("copied");
+    let mut arguments = vec!["run", "scenes/own/scene.toml", "--out", "out"];
+    let program = format!("engines.particles.command=[\"{program}\"]");
+    for setting in ["run.end_time=2e-3", "output.frames=false", &program] {
+        arguments.extend(["--set", setting]);
+    }
+    schema::of_command(folder, &arguments);
+    // the scene's path is relative, and from elsewhere than its folder
     let output = Command::new(env!("CARGO_BIN_EXE_sillage"))
-        .arg("run")
-        // relative, and from elsewhere than the scene's folder
-        .arg("scenes/own/scene.toml")
-        .args(["--out", "out", "--set", "run.end_time=2e-3"])
-        .args(["--set", "output.frames=false"])
-        .arg("--set")
-        .arg(format!("engines.particles.command=[\"{program}\"]"))
+        .args(&arguments)
         .current_dir(folder)
         .output()
         .expect("started");

@@ -7,6 +7,7 @@ use std::time::Duration;
 use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process, prlimit};
 
 use crate::background::{LEAVING_MAX, Run, need_programs, report, root, small_cloud};
+use crate::schema;
 
 /// Let a process write no file beyond so many bytes; none: as many as it likes.
 fn limit_files(pid: u32, bytes: Option<u64>) {
@@ -19,6 +20,7 @@ fn limit_files(pid: u32, bytes: Option<u64>) {
 
 fn sillage(folder: &Path, arguments: &[&str]) -> Output {
     need_programs();
+    schema::of_command(folder, arguments);
     Command::new(env!("CARGO_BIN_EXE_sillage"))
         .args(arguments)
         .current_dir(folder)

@@ -14,6 +14,7 @@ mod meshes;
 mod processes;
 mod recordings;
 mod reports;
+mod schema;
 mod stability;
 mod states;
 mod words;

@@ -12,6 +12,7 @@ use crate::background::{
     LEAVING_MAX, Run, is_alive, need_programs, programs, report, root, shared_memory_of,
     small_cloud,
 };
+use crate::schema;
 
 #[test]
 fn a_run_writes_its_folder_and_leaves_no_trace_elsewhere() {
@@ -174,6 +175,7 @@ fn two_runs_at_once_do_not_disturb_each_other_and_agree_to_the_bit() {
 
 fn output(arguments: &[&str]) -> Output {
     need_programs();
+    schema::of_command(Path::new("."), arguments);
     let folder = tempfile::tempdir().expect("a folder");
     Command::new(env!("CARGO_BIN_EXE_sillage"))
         .args(arguments)

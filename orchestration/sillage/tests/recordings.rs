@@ -14,9 +14,11 @@ use crate::background::{
     LEAVING_MAX, Run, is_alive, need_programs, programs, report, root, shared_memory_of,
     small_cloud,
 };
+use crate::schema;
 
 fn sillage(arguments: &[&str]) -> Output {
     need_programs();
+    schema::of_command(Path::new("."), arguments);
     Command::new(env!("CARGO_BIN_EXE_sillage"))
         .args(arguments)
         .output()

@@ -8,9 +8,14 @@ use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 
 use crate::background::{Run, need_programs, report, root, small_cloud};
+use crate::schema;
 
 fn shell(command: &str) -> Output {
     need_programs();
+    if let Some(arguments) = command.strip_prefix("sillage ") {
+        let words = arguments.split(' ').map(|word| word.trim_matches('\''));
+        schema::of_command(&root(), &words.collect::<Vec<_>>());
+    }
     let command = command.replace("sillage ", &format!("{} ", env!("CARGO_BIN_EXE_sillage")));
     Command::new("bash")
         .args(["-c", &command])

@@ -8,3 +8,4 @@ mod scenes_folder;
 mod schema;
 mod schema_sweep;
 mod sides;
+mod validator;

@@ -9,6 +9,7 @@ use scene::document::Document;
 use toml::Value;
 
 use crate::schema;
+use crate::validator::{complaint, plain};
 
 /// Keys whose numbers the program alone refuses, as they go with others or with what is there.
 const BEYOND: [&str; 11] = [
@@ -167,7 +168,7 @@ fn the_schema_refuses_what_the_reader_refuses_and_nothing_that_the_program_takes
 
 /// Hold the schema against the program; keys that only the program refuses.
 fn compare(document: &Document, beyond: &mut BTreeSet<String>) {
-    let complaint = schema::complaint(document);
+    let complaint = complaint(document);
     let keys = match (scene::read::read(document), &complaint) {
         (Ok(keys), _) => keys,
         (Err(_), Some(_)) => return,
@@ -183,11 +184,6 @@ fn compare(document: &Document, beyond: &mut BTreeSet<String>) {
         }
         Some(_) => {}
     }
-}
-
-/// A key without numbers of entries.
-fn plain(key: &str) -> String {
-    key.split(['[', ']']).step_by(2).collect()
 }
 
 /// What a value is changed into.

@@ -6,10 +6,12 @@ use std::time::{Duration, Instant};
 
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
+use scene::document::Document;
 use serde_json::Value as Json;
 use toml::Value;
 
 use crate::background::report;
+use crate::schema;
 
 /// A command takes no longer on a machine of its own; then it is interrupted, and soon killed.
 const LONGEST: Duration = Duration::from_secs(20);
@@ -62,6 +64,10 @@ impl Trial {
         text(&self.tree)
     }
 
+    fn document(&self) -> Document {
+        Document::parse(Path::new("scene.toml"), self.text(), &[]).expect("TOML")
+    }
+
     /// Check it and run it; how it ended, and after how long at most \[s\].
     pub fn run(&self) -> (Ending, f64) {
         let folder = tempfile::tempdir().expect("a folder");
@@ -74,13 +80,14 @@ impl Trial {
         let scene = folder.join("scene.toml");
         std::fs::write(&scene, self.text()).expect("written");
         let scene = scene.to_string_lossy().into_owned();
-        let (code, words) = sillage(&["check", "--json", &scene], folder, seconds)?;
+        let (code, said, words) = sillage(&["check", "--json", &scene], folder, seconds)?;
+        let checked: Json = serde_json::from_str(&said).map_err(|error| error.to_string())?;
+        schema::agree(&self.document(), &refused(&checked))?;
         match code {
             0 => {}
             2 => return Ok(Ending::Refused(words)),
             _ => return Err(format!("check: exit code {code}: {words}")),
         }
-        let checked: Json = serde_json::from_str(&words).map_err(|error| error.to_string())?;
         let Some(short) = self.short(checked["grains"].as_u64().unwrap_or(0)) else {
             return Ok(Ending::Skipped);
         };
@@ -88,7 +95,7 @@ impl Trial {
         let run = folder.join("run");
         let out = run.to_string_lossy().into_owned();
         let arguments = ["run", &scene, "--out", &out, "--threads", "1"];
-        let (code, words) = sillage(&arguments, folder, seconds)?;
+        let (code, _, words) = sillage(&arguments, folder, seconds)?;
         let logs = logs(&run);
         if logs.contains("panicked") {
             return Err(format!("exit code {code}: {words}\n{logs}"));
@@ -161,8 +168,19 @@ fn text(tree: &Value) -> String {
     toml::to_string(tree).expect("TOML")
 }
 
-/// Run a command: exit code and what it said; an error when it takes too long, panics or has no exit code.
-fn sillage(arguments: &[&str], folder: &Path, longest: &mut f64) -> Result<(i32, String), String> {
+/// The keys that a check refused.
+fn refused(checked: &Json) -> Vec<String> {
+    let problems = checked["problems"].as_array().into_iter().flatten();
+    let keys = problems.filter_map(|problem| problem["key"].as_str());
+    keys.map(str::to_owned).collect()
+}
+
+/// Run a command: exit code, stdout, stderr; an error when it takes too long, panics or has no exit code.
+fn sillage(
+    arguments: &[&str],
+    folder: &Path,
+    longest: &mut f64,
+) -> Result<(i32, String, String), String> {
     let path = |name: &str| folder.join(name);
     let file = |name: &str| std::fs::File::create(path(name)).expect("a file");
     let (begun, patience) = (Instant::now(), LONGEST.mul_f64(crowd()));
@@ -197,7 +215,7 @@ fn sillage(arguments: &[&str], folder: &Path, longest: &mut f64) -> Result<(i32,
             "{} takes longer than {patience:?}: {told}",
             arguments[0]
         )),
-        Some(code) if !told.contains("panicked") => Ok((code, if code == 0 { said } else { told })),
+        Some(code) if !told.contains("panicked") => Ok((code, said, told)),
         _ => Err(format!("{}: {status}: {told}", arguments[0])),
     }
 }

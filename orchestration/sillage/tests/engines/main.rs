@@ -7,4 +7,6 @@
 mod background;
 mod conform;
 mod conform_toy;
+#[path = "../schema.rs"]
+mod schema;
 mod shipped;
