@@ -30,6 +30,16 @@ pub struct Outline {
     tolerance: f64,
 }
 
+/// Smallest and largest coordinate of all ends along each axis \[m\].
+fn ranges(edges: &[Edge]) -> [[f64; 2]; 2] {
+    [0, 1].map(|axis| {
+        let values = edges.iter().flat_map(|edge| [edge.a[axis], edge.b[axis]]);
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+            [low.min(value), high.max(value)]
+        })
+    })
+}
+
 impl Outline {
     /// Of a rectangle, with sides left, right, bottom, top.
     pub fn of_rectangle(lower: [f64; 2], upper: [f64; 2], periodic: [bool; 2]) -> Outline {
@@ -50,14 +60,7 @@ impl Outline {
 
     /// Of these edges.
     pub fn new(edges: Vec<Edge>, periodic: [bool; 2]) -> Outline {
-        let ends = || edges.iter().flat_map(|edge| [edge.a, edge.b]);
-        let range = |axis: usize| {
-            let values = ends().map(|end| end[axis]);
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-                [low.min(value), high.max(value)]
-            })
-        };
-        let [[left, right], [bottom, top]] = [range(0), range(1)];
+        let [[left, right], [bottom, top]] = ranges(&edges);
         let tolerance = ON_EDGE * (right - left).max(top - bottom);
         let count = edges.len().clamp(1, 4096);
         let strips = [bottom, (top - bottom) / count as f64];
@@ -97,12 +100,15 @@ impl Outline {
         }
     }
 
+    /// Width and height \[m\].
+    pub fn size(&self) -> [f64; 2] {
+        ranges(&self.edges).map(|[low, high]| high - low)
+    }
+
     /// Is a point between the smallest and the largest coordinate along an axis?
     fn within(&self, point: [f64; 2], axis: usize) -> bool {
-        let ends = || self.edges.iter().map(|edge| edge.a[axis]);
-        let low = ends().fold(f64::INFINITY, f64::min) - self.tolerance;
-        let high = ends().fold(f64::NEG_INFINITY, f64::max) + self.tolerance;
-        (low..=high).contains(&point[axis])
+        let [low, high] = ranges(&self.edges)[axis];
+        (low - self.tolerance..=high + self.tolerance).contains(&point[axis])
     }
 
     /// Does a ray along x leave an odd number of times?

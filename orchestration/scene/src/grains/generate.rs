@@ -50,7 +50,7 @@ pub fn generate(
         match placed {
             Err((key, why)) => checker.refuse(&key, why),
             Ok(rows) => {
-                let wide = room.and_then(|room| too_wide(&rows, room));
+                let wide = too_wide(&rows, room, fluid);
                 let why = wide.or_else(|| misplaced(&rows, room, &mut neighbours));
                 if let Some(why) = why.or_else(|| beside(&rows, fluid?)) {
                     checker.refuse(&key, why);
@@ -62,10 +62,14 @@ pub fn generate(
     table
 }
 
-/// The first grain that is wider than the domain, also where its sides are open or periodic.
-fn too_wide(rows: &[Grain], room: &GrainRoom) -> Option<String> {
-    let side = |axis: usize| room.upper[axis] - room.lower[axis];
-    let narrowest = side(0).min(side(1));
+/// The first grain that is wider than its domain or the fluid's, also where their sides are open or periodic.
+fn too_wide(rows: &[Grain], room: Option<&GrainRoom>, fluid: Option<&Outline>) -> Option<String> {
+    let of_room = |room: &GrainRoom| [0, 1].map(|axis| room.upper[axis] - room.lower[axis]);
+    let sides = room
+        .map(of_room)
+        .into_iter()
+        .chain(fluid.map(Outline::size));
+    let narrowest = sides.flatten().fold(f64::INFINITY, f64::min);
     let is_wide = |grain: &Grain| 2.0 * grain.radius > narrowest * (1.0 + OVERLAP_MAX);
     let number = rows.iter().position(is_wide)?;
     let diameter = 2.0 * rows[number].radius;

@@ -97,6 +97,9 @@ fn a_grain_wider_than_the_domain_is_refused_and_one_wider_than_a_cell_is_not() {
     refused(&[alone], &wide);
     let periodic = ["fluid.boundaries.all=periodic", "fluid.mean_flow=zero"];
     refused(&[alone, periodic[0], periodic[1]], &wide);
+    // Its own domain may be as wide as it likes: the fluid is not.
+    let roomy = "particles.domain={ lower = [-0.01, 0.0], upper = [0.02, 0.02] }";
+    refused(&[alone, roomy], &wide);
 }
 
 #[test]
