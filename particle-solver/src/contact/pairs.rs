@@ -50,12 +50,18 @@ pub fn mean_velocity<const D: usize>(velocity: &[Vector<D>], fixed: &[bool]) -> 
     sum * (1.0 / f64::max(count, 1.0))
 }
 
-/// Candidates a grain on the mean, above which a sub-step is too long to be solved: it touches six at once.
-const CROWD: usize = 256;
+/// Candidates a grain on the mean in the plane, above which a sub-step is too long to be solved: three of them
+/// touch in the densest packing, and sweeps cost in proportion.
+const CROWD: usize = 32;
+/// As many times that in space, where six touch.
+const CROWD_OF_SPACE: usize = 2;
+
+/// Candidates a grain with walls beyond which the same is so: a large grain lies on many facets at once.
+const FACETS: usize = 256;
 
 /// Most pairs that so many grains may have; the search takes no more than one above it.
-fn most(count: usize) -> usize {
-    CROWD * count
+fn most<const D: usize>(count: usize) -> usize {
+    CROWD * CROWD_OF_SPACE.pow(D as u32 - 2) * count
 }
 
 /// Pairs that may touch, sorted by key; an error where they are too many to be solved.
@@ -73,11 +79,17 @@ where
     }
     let mut found = Vec::new();
     pairs_of_grains(neighbours, place, margin, &mut found)?;
+    let (grains, most) = (grains.count(), most::<D>(grains.count()));
+    not_above(most, found.len(), grains)?;
     pairs_with_walls(neighbours, place, margin, &mut found);
-    let (grains, most) = (grains.count(), most(grains.count()));
-    match found.len() > most {
+    not_above(most + FACETS * grains, found.len(), grains)?;
+    Ok(sort(found, grains))
+}
+
+fn not_above(most: usize, pairs: usize, grains: usize) -> Result<(), Error> {
+    match pairs > most {
         true => Err(Error::Crowded { most, grains }),
-        false => Ok(sort(found, grains)),
+        false => Ok(()),
     }
 }
 
@@ -91,7 +103,7 @@ where
     Dim<D>: Dimension<D>,
 {
     let grains = place.grains;
-    let most = most(grains.count());
+    let most = most::<D>(grains.count());
     neighbours.for_each_pair(place, &margin.reach(grains), |i, j, apart, image| {
         if grains.fixed[i] && grains.fixed[j] || found.len() > most {
             return;

@@ -436,7 +436,7 @@ fn a_sub_step_in_which_all_may_meet_all_is_refused_as_too_long() {
     assert!(matches!(
         error,
         Error::Crowded {
-            most: 230_400,
+            most: 28_800,
             grains: 900
         }
     ));
