@@ -10,6 +10,11 @@ test:
 test-all:
     cargo test --release --workspace -- --include-ignored
 
+# Processes killed, stopped and in each other's way, 200 instants among them (a quarter of an hour).
+faults:
+    cargo test --release --workspace --test commands -- --include-ignored instants kills stops strays namespaces full_disk
+    cargo test --release --workspace --test suite -- private processes faults
+
 # Format all code.
 fmt:
     cargo fmt --all

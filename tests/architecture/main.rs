@@ -5,3 +5,4 @@ mod graph;
 mod sizes;
 mod sources;
 mod spellings;
+mod unsafe_code;

@@ -1,6 +1,6 @@
 //! Plays the coupler of a recording towards one engine, in a run of its own.
 
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -64,7 +64,7 @@ pub fn replay(reader: &mut Reader, role: Role, engine: Option<&str>) -> Result<R
     }
     let (limits, mut progress) = (scene.limits, Progress::new(scene.end_time));
     let runspace = RunSpace::create().map_err(failed)?;
-    let folder = Folder::create(&runspace)?;
+    let folder = runspace.folder("replay").map_err(failed)?;
     let interrupts = Interrupts::count()?;
     let engine = Engine::start(role, engine, &folder, &runspace, &interrupts)?;
     // A link that was opened before the engine could be is closed before the engine is reaped.
@@ -78,13 +78,23 @@ pub fn replay(reader: &mut Reader, role: Role, engine: Option<&str>) -> Result<R
                     value,
                 }));
             };
-            recording::replay(reader, &mut partner, &folder.0, accepted)
+            recording::replay(reader, &mut partner, &folder, accepted)
         });
     progress.finish();
     let process = engine.end();
+    let report = judged(played, process.as_ref(), &interrupts);
+    // With it goes the folder, and what the engine said.
     if let Err(error) = runspace.sweep() {
         tracing::warn!("{error}");
     }
+    report
+}
+
+fn judged(
+    played: Result<Report, ReplayError>,
+    process: Option<&Process>,
+    interrupts: &Interrupts,
+) -> Result<Report, Error> {
     if interrupts.so_far() > 0 {
         return Err(Error::Run {
             code: exit_code::INTERRUPTED,
@@ -94,7 +104,7 @@ pub fn replay(reader: &mut Reader, role: Role, engine: Option<&str>) -> Result<R
     played.map_err(|error| match error {
         ReplayError::Recording(error) => error.into(),
         ReplayError::Exchange(error) => {
-            if let Some(process) = &process {
+            if let Some(process) = process {
                 run::tell!("    {} {}", process.seat, process.ending());
                 for line in process.last_words(5) {
                     run::tell!("    {line}");
@@ -112,23 +122,6 @@ fn failed(error: protocol::Error) -> Error {
     }
 }
 
-/// A folder for the log and the mesh, removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn create(runspace: &RunSpace) -> Result<Folder, Error> {
-        let path = std::env::temp_dir().join(format!("sillage-replay-{}", runspace.id()));
-        std::fs::create_dir_all(&path).map_err(Error::file("cannot create", &path))?;
-        Ok(Folder(path))
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 /// The engine's process, and the thread that notices its end.
 struct Engine {
     over: Arc<AtomicBool>,
@@ -139,7 +132,7 @@ impl Engine {
     fn start(
         role: Role,
         engine: Option<&str>,
-        folder: &Folder,
+        folder: &Path,
         runspace: &RunSpace,
         interrupts: &Interrupts,
     ) -> Result<Engine, Error> {
@@ -156,7 +149,7 @@ impl Engine {
                 command
             }
         };
-        let log = folder.0.join(format!("{seat}.log"));
+        let log = folder.join(format!("{seat}.log"));
         let built_in = format!("sillage-{seat}");
         let process = launch::spawn(seat, engine.unwrap_or(&built_in), command, log, runspace)?;
         let over = Arc::new(AtomicBool::new(false));

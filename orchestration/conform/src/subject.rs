@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
@@ -42,6 +42,7 @@ impl Subject {
             .args(arguments)
             .env_remove("SILLAGE_RUN")
             .env_remove("SILLAGE_ORCHESTRATOR")
+            .env_remove("SILLAGE_TOKEN")
             .envs(variables.iter().cloned())
             .stdin(Stdio::null())
             .stdout(copy()?)
@@ -159,21 +160,4 @@ fn describe(status: ExitStatus) -> String {
         }
         _ => "ended".to_owned(),
     }
-}
-
-/// Files of a run in shared memory.
-pub fn shared_memory_of(run: &str) -> Vec<PathBuf> {
-    let (folder, prefix) = (format!("sillage-{run}"), format!("sillage{run}_"));
-    let entries = std::fs::read_dir("/dev/shm")
-        .into_iter()
-        .flatten()
-        .flatten();
-    entries
-        .filter(|entry| {
-            let name = entry.file_name();
-            let name = name.to_string_lossy();
-            *name == *folder || name.starts_with(&prefix)
-        })
-        .map(|entry| entry.path())
-        .collect()
 }

@@ -3,8 +3,9 @@
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use protocol::awake;
 use scene::Error;
 
 use crate::file;
@@ -60,13 +61,13 @@ impl Disk {
 
     /// Do what writes a file until it succeeds; it must be able to begin again after a failure.
     pub fn attempt(&self, mut write: impl FnMut() -> Result<(), Error>) -> Result<(), Error> {
-        let begun = Instant::now();
+        let begun = awake::now();
         loop {
             if let Trouble::GivenUp(code, why) = self.trouble() {
                 return Err(Error::Run { code, why });
             }
             match write() {
-                Err(error @ Error::File { .. }) => self.note(&error, begun.elapsed()),
+                Err(error @ Error::File { .. }) => self.note(&error, awake::now() - begun),
                 other => {
                     let mut state = self.state();
                     if matches!(*state, Trouble::Waiting(_)) {
@@ -155,7 +156,7 @@ mod tests {
     #[test]
     fn what_fails_for_too_long_is_given_up_and_so_is_all_that_follows() {
         let disk = Disk::new(Duration::from_millis(250));
-        let begun = Instant::now();
+        let begun = std::time::Instant::now();
         let error = disk.attempt(|| Err(full())).expect_err("given up");
         println!("{error} after {:?}", begun.elapsed());
         assert_eq!(error.exit_code(), exit_code::ENGINE);

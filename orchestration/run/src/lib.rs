@@ -3,7 +3,7 @@
 //! | file | what |
 //! | --- | --- |
 //! | `run` | a scene into a run folder |
-//! | `launch`, `watch`, `verdict` | child processes: start, wait, end, and why they ended |
+//! | `launch`, `watch`, `stopped`, `verdict` | child processes: start, wait, end, and why they ended |
 //! | `interrupt`, `progress` | Ctrl-C, and how far a run is |
 //! | `folder` | `run.json`, `steps.csv`, the recording, how states get there |
 //! | `vtu` | states for ParaView, written and read back |
@@ -20,6 +20,7 @@ pub mod launch;
 pub mod limits;
 pub mod progress;
 mod run;
+mod stopped;
 pub mod tell;
 pub mod verdict;
 pub mod version;

@@ -73,6 +73,7 @@ pub struct Runner {
 impl Runner {
     /// A runner that counts interruptions from now on.
     pub fn new(voice: Voice, pictures: Pictures) -> Result<Runner, Error> {
+        protocol::process::report_full_memory();
         Ok(Runner {
             interrupts: Interrupts::count()?,
             voice,

@@ -10,7 +10,9 @@
 use std::time::{Duration, Instant};
 
 use nix::sys::signal::Signal;
+use protocol::awake;
 use protocol::field::Field;
+use protocol::limits;
 use protocol::message::{Hello, Role, ToOrchestrator};
 use protocol::monitor::MonitorReceiver;
 use protocol::runspace::RunSpace;
@@ -21,6 +23,7 @@ use crate::folder::writer::Writer;
 use crate::interrupt::Interrupts;
 use crate::launch::{self, Process};
 use crate::progress::{self, Progress};
+use crate::stopped::Stopped;
 use crate::verdict::{Evidence, LastWord, Verdict};
 
 /// How long processes may take to leave by themselves.
@@ -59,6 +62,7 @@ impl Watch<'_> {
             self.look_at_children(&mut state);
             self.heed_interrupts(&mut state);
             self.heed_disk(&mut state);
+            self.heed_stops(&mut state);
             self.insist(&mut state);
         }
         state.all_have_ended = true;
@@ -173,16 +177,40 @@ impl Watch<'_> {
         }
     }
 
+    /// A process that was stopped and does not go on is ended: the others leave then.
+    fn heed_stops(&mut self, state: &mut State) {
+        let Some((seat, process)) = state.stopped.look(|| self.runspace.stopped()) else {
+            return;
+        };
+        for process in self
+            .processes
+            .iter_mut()
+            .filter(|process| process.seat == seat)
+        {
+            process.signal(Signal::SIGKILL);
+        }
+        let why = format!(
+            "the {seat} (process {process}) was stopped (SIGSTOP) and did not go on within {} s, at step {}; \
+             {} steps are written",
+            limits::STOPPED.duration().as_secs_f64(),
+            self.progress.step + 1,
+            self.progress.step
+        );
+        state.stopped_for_long.get_or_insert(why);
+        state.begin_ending();
+    }
+
     /// Whoever stays behind is asked to leave, then made to.
     fn insist(&mut self, state: &mut State) {
         let Some(since) = state.ending_since else {
             return;
         };
-        if since.elapsed() > PATIENCE && !state.terminated {
+        let elapsed = awake::now() - since;
+        if elapsed > PATIENCE && !state.terminated {
             state.terminated = true;
             self.signal(Signal::SIGTERM);
         }
-        if since.elapsed() > PATIENCE + MERCY {
+        if elapsed > PATIENCE + MERCY {
             launch::end(&mut self.processes);
         }
     }
@@ -195,6 +223,12 @@ impl Watch<'_> {
 
     fn judge(&self, state: &State) -> Verdict {
         let (steps, time) = (self.progress.step, self.progress.time);
+        if let Some(why) = &state.stopped_for_long {
+            return Verdict {
+                code: exit_code::TIME_LIMIT,
+                why: Some(why.clone()),
+            };
+        }
         if state.asked_to_stop {
             let how = if state.killed { "killed" } else { "stopped" };
             let time = progress::digits(time);
@@ -248,8 +282,11 @@ struct State {
     killed: bool,
     all_have_ended: bool,
     teller: Teller,
+    stopped: Stopped,
+    stopped_for_long: Option<String>,
     gave_up: bool,
-    ending_since: Option<Instant>,
+    /// By the clock of `awake`.
+    ending_since: Option<Duration>,
 }
 
 impl Default for State {
@@ -265,6 +302,8 @@ impl Default for State {
             killed: false,
             all_have_ended: false,
             teller: Teller::default(),
+            stopped: Stopped::default(),
+            stopped_for_long: None,
             gave_up: false,
             ending_since: None,
         }
@@ -273,7 +312,7 @@ impl Default for State {
 
 impl State {
     fn begin_ending(&mut self) {
-        self.ending_since.get_or_insert_with(Instant::now);
+        self.ending_since.get_or_insert_with(awake::now);
     }
 
     fn hear(&mut self, word: LastWord) {

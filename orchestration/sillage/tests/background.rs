@@ -88,6 +88,19 @@ pub fn small_cloud(end_time: f64) -> Vec<String> {
     arguments
 }
 
+/// Numbers that look random and are the same each time (splitmix64).
+pub struct Schedule(pub u64);
+
+impl Schedule {
+    pub fn below(&mut self, bound: u64) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = self.0;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (mixed ^ (mixed >> 31)) % bound
+    }
+}
+
 /// A run in the background.
 pub struct Run {
     pub child: Child,
@@ -96,6 +109,11 @@ pub struct Run {
 
 impl Run {
     pub fn start(arguments: &[String]) -> Run {
+        Run::start_with(arguments, &[])
+    }
+
+    /// The same with further variables.
+    pub fn start_with(arguments: &[String], variables: &[(&str, &str)]) -> Run {
         need_programs();
         schema::of_command(Path::new("."), &[&["run".to_string()], arguments].concat());
         let folder = tempfile::tempdir().expect("a folder");
@@ -104,6 +122,7 @@ impl Run {
             .args(arguments)
             .args(["--threads", "1", "--out"])
             .env("SILLAGE_LOG", "info")
+            .envs(variables.iter().copied())
             .arg(folder.path())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -181,10 +200,9 @@ impl Run {
 
 /// Files of a run in shared memory.
 pub fn shared_memory_of(run: &str) -> Vec<String> {
-    let entries = std::fs::read_dir("/dev/shm").expect("/dev/shm").flatten();
-    entries
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .filter(|name| name.contains(run))
+    let files = protocol::runspace::files_of(run).into_iter();
+    files
+        .map(|path| path.to_string_lossy().into_owned())
         .collect()
 }
 

@@ -9,7 +9,7 @@ use nix::sys::signal::{Signal, kill};
 use nix::sys::wait::{WaitStatus, waitpid};
 use nix::unistd::Pid;
 
-use crate::background::{Run, is_alive, report, root, shared_memory_of, small_cloud};
+use crate::background::{Run, Schedule, is_alive, report, root, shared_memory_of, small_cloud};
 
 /// Longest time between a death and the end of everybody else.
 const LEAVING_MAX: Duration = Duration::from_secs(2);
@@ -20,19 +20,6 @@ const CHILDREN: [(&str, &str); 3] = [
     ("coupler", "sillage-coupler"),
 ];
 const PARTNER_LOST: i32 = 5;
-
-/// Numbers that look random and are the same each time (splitmix64).
-struct Schedule(u64);
-
-impl Schedule {
-    fn below(&mut self, bound: u64) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (mixed ^ (mixed >> 31)) % bound
-    }
-}
 
 /// How the survivors of one death left.
 struct Aftermath {

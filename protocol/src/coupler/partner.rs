@@ -7,21 +7,19 @@ use crate::language::codec;
 use crate::language::engine::{InitialGrains, MeshDescription};
 use crate::language::error::Error;
 use crate::language::field::Field;
-use crate::language::header::PROTOCOL_VERSION;
-use crate::language::header::{FieldHeader, Stage, other_protocol};
+use crate::language::header::{FieldHeader, Stage};
 use crate::language::message::{
     Advance, Capability, Configure, Done, Hello, Ready, Role, ToCoupler, ToEngine,
 };
 use crate::language::scene::{Convection, FluidScene, Limits, ParticleScene};
+use crate::run::limits;
 use crate::run::runspace::RunSpace;
 use crate::transport::channel::{Channel, Wait, seconds};
 use crate::transport::exchange::{Counts, Moment, receive_grains};
 
 use super::check::{cannot_steer, check_done, count, parse, same_dimension, unexpected};
+use super::hello::hello;
 use super::told;
-
-/// How long an engine may take to leave after `Finish` \[s\].
-const LEAVE: Duration = Duration::from_secs(10);
 
 /// One engine, seen from the coupler. Dropping it without [`Partner::finish`] still tells the
 /// engine to leave, unless a process of the run was lost.
@@ -47,7 +45,7 @@ impl std::fmt::Debug for Partner {
 }
 
 impl Partner {
-    /// Wait for the engine of this seat to say hello; check its seat and its protocol version.
+    /// Wait for the engine of this seat to say hello; check its seat, its protocol version and its token.
     pub fn accept(role: Role, runspace: &RunSpace, limits: &Limits) -> Result<Partner, Error> {
         let channel = crate::transport::ipc::open(runspace, role.coupler_end())?;
         Partner::greet(role, channel, limits)
@@ -61,25 +59,7 @@ impl Partner {
     ) -> Result<Partner, Error> {
         let wait = Wait::new(0, "Hello", seconds(limits.connect));
         let (header, bytes) = channel.receive_message(wait)?;
-        let hello = match parse(role.seat(), 0, &header, &bytes)? {
-            ToCoupler::Hello(hello) => hello,
-            other => return Err(unexpected(role.seat(), 0, &other, "Hello")),
-        };
-        if hello.protocol != PROTOCOL_VERSION {
-            return Err(other_protocol(role.seat(), hello.protocol));
-        }
-        if hello.role != role {
-            let why = format!(
-                "`{}` takes the seat {}, expected {}",
-                hello.engine,
-                hello.role.seat(),
-                role.seat()
-            );
-            return Err(Error::Handshake {
-                who: role.seat().to_owned(),
-                why,
-            });
-        }
+        let hello = hello(role, channel.token(), &header, &bytes)?;
         let limits = *limits;
         Ok(Partner {
             channel,
@@ -352,10 +332,11 @@ impl Partner {
             return Ok(());
         }
         self.send(&ToEngine::Finish)?;
-        if self.channel.wait_for_leave(LEAVE) {
+        let limit = limits::LEAVE.duration();
+        if self.channel.wait_for_leave(limit) {
             return Ok(());
         }
-        Err(Wait::new(self.step, "its leave after Finish", LEAVE).passed(self.seat()))
+        Err(Wait::new(self.step, "its leave after Finish", limit).passed(self.seat()))
     }
 
     fn seat(&self) -> &'static str {

@@ -48,6 +48,9 @@ pub struct Hello {
     pub process: u32,
     /// What it can do.
     pub capabilities: Vec<Capability>,
+    /// The run's token, where the link has one; blank once it was looked at, and in recordings.
+    #[serde(default)]
+    pub token: Option<String>,
 }
 
 impl Hello {

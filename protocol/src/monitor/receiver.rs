@@ -7,13 +7,11 @@ use crate::language::error::Error;
 use crate::language::field::{Field, MESH};
 use crate::language::header::{FieldHeader, Stage};
 use crate::language::message::{FromOrchestrator, ToOrchestrator};
+use crate::run::limits;
 use crate::run::runspace::RunSpace;
 use crate::transport::channel::{Channel, Wait};
 use crate::transport::ends::monitor_receiver_end;
 use crate::transport::exchange::{Counts, Moment};
-
-/// How long the fields of a message may take to arrive.
-const CONNECT: Duration = Duration::from_secs(30);
 
 /// A message of the coupler with its fields.
 #[derive(Debug, Clone, PartialEq)]
@@ -115,7 +113,7 @@ impl MonitorReceiver {
             }
             _ => return Ok(Vec::new()),
         };
-        let wait = Wait::new(moment.step, "a field", CONNECT);
+        let wait = Wait::new(moment.step, "a field", limits::MONITOR.duration());
         let mut fields = Vec::with_capacity(names.len());
         for field in names {
             fields.push((

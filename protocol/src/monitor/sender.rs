@@ -8,16 +8,11 @@ use crate::language::error::Error;
 use crate::language::field::{Field, MESH};
 use crate::language::header::{FieldHeader, Stage};
 use crate::language::message::{Diagnostic, FromOrchestrator, Hello, ToOrchestrator};
+use crate::run::limits;
 use crate::run::runspace::RunSpace;
 use crate::transport::channel::{Channel, Wait};
 use crate::transport::ends::monitor_sender_end;
 use crate::transport::exchange::{Counts, Moment};
-
-/// How long the coupler waits for the orchestrator to take a snapshot or the last message over, which may
-/// itself wait for a disk that is full.
-const TAKE_OVER: Duration = Duration::from_secs(120);
-/// How long connecting may take.
-const CONNECT: Duration = Duration::from_secs(30);
 
 /// The coupler's end.
 pub struct MonitorSender {
@@ -98,7 +93,7 @@ impl MonitorSender {
     /// One accepted step.
     pub fn step(&mut self, values: Vec<Diagnostic>) -> Result<(), Error> {
         if !self.heard {
-            self.wait_for_answer("Started to be read", TAKE_OVER)?;
+            self.wait_for_answer("Started to be read")?;
         }
         self.send(&ToOrchestrator::Step(values))
     }
@@ -117,7 +112,7 @@ impl MonitorSender {
         fields: &[(Field, &[f64])],
     ) -> Result<(), Error> {
         (self.step, self.counts.grains) = (step, grains);
-        self.wait_for_answer("the previous snapshot to be taken over", TAKE_OVER)?;
+        self.wait_for_answer("the previous snapshot to be taken over")?;
         let moment = Moment {
             step,
             pass: 0,
@@ -164,17 +159,17 @@ impl MonitorSender {
     }
 
     fn goodbye(&mut self, message: &ToOrchestrator) -> Result<(), Error> {
-        self.wait_for_answer("the last snapshot to be taken over", TAKE_OVER)?;
+        self.wait_for_answer("the last snapshot to be taken over")?;
         self.send(message)?;
         self.unanswered = true;
-        self.wait_for_answer("the last message to be read", TAKE_OVER)
+        self.wait_for_answer("the last message to be read")
     }
 
-    fn wait_for_answer(&mut self, awaited: &str, limit: Duration) -> Result<(), Error> {
+    fn wait_for_answer(&mut self, awaited: &str) -> Result<(), Error> {
         while self.unanswered {
-            let (header, bytes) = self
-                .channel
-                .receive_message(Wait::new(self.step, awaited, limit))?;
+            // The orchestrator may itself wait for a disk that is full.
+            let wait = Wait::new(self.step, awaited, limits::TAKE_OVER.duration());
+            let (header, bytes) = self.channel.receive_message(wait)?;
             self.take(&header, &bytes)?;
         }
         Ok(())
@@ -194,7 +189,7 @@ impl MonitorSender {
 
     /// The orchestrator opens its end before it starts the coupler; by hand it may come later.
     fn wait_for_reader(&mut self) -> Result<(), Error> {
-        let wait = Wait::new(0, "its end of the monitor link", CONNECT);
+        let wait = Wait::new(0, "its end of the monitor link", limits::MONITOR.duration());
         while !self.channel.has_reader()? {
             self.channel.idle(wait, Duration::from_millis(50))?;
         }

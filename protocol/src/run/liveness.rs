@@ -16,6 +16,7 @@ use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec, eventfd, poll};
 use rustix::fs::inotify;
 use rustix::process::{Pid, PidfdFlags, pidfd_open};
 
+use super::lock::seats;
 use super::place;
 use super::signals;
 use crate::language::error::Error;
@@ -63,19 +64,17 @@ struct State {
     noticed: bool,
 }
 
-impl Default for Board {
-    fn default() -> Board {
+impl Board {
+    /// A board with nobody on it; fails when no more files may be open.
+    pub(crate) fn new() -> Result<Board, Error> {
         let flags = EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC;
-        // Fails only when the process is out of file descriptors, at start.
-        let alarm = eventfd(0, flags).expect("an event file descriptor");
-        Board {
+        let alarm = eventfd(0, flags).map_err(|e| Error::memory("event of losses", e))?;
+        Ok(Board {
             state: Mutex::default(),
             alarm,
-        }
+        })
     }
-}
 
-impl Board {
     /// Becomes readable when something changed.
     pub(crate) fn alarm(&self) -> BorrowedFd<'_> {
         self.alarm.as_fd()
@@ -163,14 +162,14 @@ impl Watch {
     pub(crate) fn start(id: &str, root: &Path, on_loss: OnLoss) -> Result<Watch, Error> {
         let trouble =
             |e: rustix::io::Errno| Error::memory(format!("watch of {}", root.display()), e);
-        let board = Arc::new(Board::default());
+        let board = Arc::new(Board::new()?);
         let stop =
             Arc::new(eventfd(0, EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC).map_err(trouble)?);
         let changes = inotify::init(inotify::CreateFlags::NONBLOCK | inotify::CreateFlags::CLOEXEC)
             .map_err(trouble)?;
         inotify::add_watch(
             &changes,
-            members::folder(root),
+            seats(root),
             inotify::WatchFlags::MOVED_TO
                 | inotify::WatchFlags::MOVED_FROM
                 | inotify::WatchFlags::DELETE,
@@ -287,9 +286,8 @@ impl Watcher {
     fn end(&self, code: i32) -> ! {
         let _nothing_new = place::stop_making_files();
         place::leave(&self.id);
-        // SAFETY: ends the process at once; no destructors, because the main thread is in the
-        // middle of something.
-        unsafe { libc::_exit(code) }
+        // No destructors: the main thread is in the middle of something.
+        signals::exit_at_once(code)
     }
 
     /// A process ended; lost if its seat is still taken by it.
@@ -306,6 +304,7 @@ impl Watcher {
     fn lost(&mut self, seat: &str) {
         self.lost_at.get_or_insert_with(Instant::now);
         self.board.mark(seat, Presence::Lost);
+        place::remove_unfinished(&self.id);
     }
 
     /// Compare the seats with what is known.
@@ -339,7 +338,7 @@ impl Watcher {
         let pid = i32::try_from(member.pid).ok().and_then(Pid::from_raw);
         let pidfd = pid.and_then(|pid| pidfd_open(pid, PidfdFlags::empty()).ok());
         match pidfd {
-            Some(pidfd) if member.is_alive() => {
+            Some(pidfd) if members::is_held(&self.root, &seat) => {
                 self.known.insert(seat.clone(), (member, pidfd));
                 self.board.mark(&seat, Presence::Here);
             }

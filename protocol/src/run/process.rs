@@ -8,10 +8,14 @@ use tracing_subscriber::filter::Targets;
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
-use super::signals::{leave_interrupts_to_orchestrator, leave_when_told, report_full_memory};
+use super::open_files::require as require_open_files;
+use super::signals::{self, leave_interrupts_to_orchestrator, leave_when_told};
 use crate::language::error::Error;
 use crate::run::liveness::OnLoss;
+use crate::run::place::SMALLEST;
 use crate::run::runspace::RunSpace;
+
+pub use super::open_files::{OPEN_FILES_MIN, open_files};
 
 /// Environment: log filter (`info`, `debug`, `fluid_solver=trace`, …).
 pub const ENV_LOG: &str = "SILLAGE_LOG";
@@ -24,6 +28,7 @@ pub const ENV_LOG_FORMAT: &str = "SILLAGE_LOG_FORMAT";
 pub fn enter(seat: &str) -> Result<RunSpace, Error> {
     log_to_stderr();
     report_full_memory();
+    require_open_files()?;
     let runspace = RunSpace::from_environment()?;
     runspace.preflight(SMALLEST)?;
     if let Some(pid) = runspace.orchestrator() {
@@ -43,14 +48,17 @@ pub fn enter(seat: &str) -> Result<RunSpace, Error> {
     Ok(runspace)
 }
 
+/// A page of shared memory that does not fit kills (SIGBUS): from now on with a line that says so, the
+/// remedy, and exit code 4.
+pub fn report_full_memory() {
+    signals::report_full_memory();
+}
+
 /// CPU time of this process so far \[s\].
 pub fn cpu_seconds() -> f64 {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
-
-/// Shared memory that every process needs at least, for its messages \[bytes\].
-const SMALLEST: u64 = 4 << 20;
 
 /// `main` of a process of a run: enter, do `work`, log its error, leave, return the exit code.
 pub fn run(seat: &str, work: impl FnOnce(&RunSpace) -> Result<(), Error>) -> ExitCode {

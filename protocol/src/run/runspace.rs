@@ -1,23 +1,26 @@
 //! Isolation of one run in shared memory, and its removal.
 //!
-//! A run owns the files `/dev/shm/sillage<id>_*` and the folder `/dev/shm/sillage-<id>`. Every
+//! A run owns the files `/dev/shm/sillage<key>_*` (key: the id, its first part where it is long) and the
+//! private folder `/dev/shm/sillage-<id>`. Every
 //! process of the run takes a seat in the folder's `members/`; the last one to leave removes both,
 //! so nothing stays behind while one process is left to notice.
 
 use std::collections::BTreeMap;
-use std::fs;
+use std::fmt;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{SystemTime, UNIX_EPOCH};
 
-use super::place::{SHARED_MEMORY, leave, preflight, remove_run, root, size_of};
+use super::leftovers::survey;
+use super::lock::lock;
+use super::names::root;
+use super::place::{SMALLEST, leave, preflight, remove_run};
+use super::{private, strays};
 use crate::language::error::Error;
 use crate::run::liveness::{Board, OnLoss, Watch};
 use crate::run::members::{self, Member};
 
-/// Environment: identity of the run.
-pub const ENV_RUN: &str = "SILLAGE_RUN";
-/// Environment: process id of the orchestrator; absent when processes are started by hand.
-pub const ENV_ORCHESTRATOR: &str = "SILLAGE_ORCHESTRATOR";
+pub use super::leftovers::{Foreign, Leftover};
+pub use super::names::{ENV_ORCHESTRATOR, ENV_RUN, ENV_TOKEN, files_of};
 
 /// One run's corner of shared memory. Clones share one membership; when the last clone is dropped
 /// this process leaves the run, and removes it when nobody is left.
@@ -30,6 +33,8 @@ pub struct RunSpace {
 struct Shared {
     id: String,
     orchestrator: Option<u32>,
+    /// The token that the environment handed to this process.
+    handed: Option<Secret>,
     presence: Mutex<Presence>,
 }
 
@@ -39,36 +44,37 @@ struct Presence {
     watch: Option<Watch>,
 }
 
-/// What a run left behind.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Leftover {
-    /// Identity of the run.
-    pub id: String,
-    /// Files left in shared memory, those in the run's folder included.
-    pub files: usize,
-    /// Bytes of memory they occupy.
-    pub bytes: u64,
+/// What a run hands to those that may join it; never printed.
+struct Secret(String);
+
+impl fmt::Debug for Secret {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str("…")
+    }
 }
 
 impl RunSpace {
-    /// A new run, owned by this process (the orchestrator).
+    /// A new run, owned by this process (the orchestrator); what dead runs left is removed first.
     pub fn create() -> Result<RunSpace, Error> {
-        let runspace = RunSpace::with(fresh_id(), Some(std::process::id()));
+        preflight(SMALLEST)?;
+        for left in RunSpace::leftovers()? {
+            if let Err(error) = left.sweep() {
+                tracing::debug!("what run {} left is still there: {error}", left.id);
+            }
+        }
+        let id = private::random().map_err(|e| Error::memory("name of a run", e))?;
+        let runspace = RunSpace::with(id, Some(std::process::id()), None);
         runspace.take_seat("orchestrator")?;
         Ok(runspace)
     }
 
     /// A run without an orchestrator, under a name of one's own choice (processes started by hand).
     pub fn named(id: &str) -> Result<RunSpace, Error> {
-        let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit();
-        if id.is_empty() || id.len() > 16 || !id.chars().all(plain) {
-            let why = format!("`{id}` is not 1 to 16 characters of a-z and 0-9");
-            return Err(Error::memory(format!("name of a run ({ENV_RUN})"), why));
-        }
-        Ok(RunSpace::with(id.to_owned(), None))
+        check_name(id, 16)?;
+        Ok(RunSpace::with(id.to_owned(), None, None))
     }
 
-    /// The run that the environment names (`SILLAGE_RUN`, `SILLAGE_ORCHESTRATOR`).
+    /// The run that the environment names (`SILLAGE_RUN`, `SILLAGE_ORCHESTRATOR`, `SILLAGE_TOKEN`).
     pub fn from_environment() -> Result<RunSpace, Error> {
         let id = std::env::var(ENV_RUN).map_err(|_| Error::Handshake {
             who: "run".to_owned(),
@@ -77,21 +83,24 @@ impl RunSpace {
                  processes of a run the same name in it"
             ),
         })?;
-        let named = RunSpace::named(&id)?;
+        let token = std::env::var(ENV_TOKEN).ok().map(Secret);
         let Ok(text) = std::env::var(ENV_ORCHESTRATOR) else {
-            return Ok(named);
+            check_name(&id, 16)?;
+            return Ok(RunSpace::with(id, None, token));
         };
+        check_name(&id, private::RANDOM_LENGTH)?;
         let pid = text.parse().map_err(|_| {
             Error::memory(ENV_ORCHESTRATOR, format!("`{text}` is not a process id"))
         })?;
-        Ok(RunSpace::with(id, Some(pid)))
+        Ok(RunSpace::with(id, Some(pid), token))
     }
 
-    fn with(id: String, orchestrator: Option<u32>) -> RunSpace {
+    fn with(id: String, orchestrator: Option<u32>, handed: Option<Secret>) -> RunSpace {
         RunSpace {
             shared: Arc::new(Shared {
                 id,
                 orchestrator,
+                handed,
                 presence: Mutex::default(),
             }),
         }
@@ -103,7 +112,21 @@ impl RunSpace {
         if let Some(pid) = self.shared.orchestrator {
             variables.push((ENV_ORCHESTRATOR.to_owned(), pid.to_string()));
         }
+        if let Ok(token) = self.token() {
+            variables.push((ENV_TOKEN.to_owned(), token));
+        }
         variables
+    }
+
+    /// What tells who may join this run: handed to this process by the environment, or read in the run's
+    /// folder, which is there once a seat is taken.
+    pub(crate) fn token(&self) -> Result<String, Error> {
+        if let Some(Secret(token)) = &self.shared.handed {
+            return Ok(token.clone());
+        }
+        let path = members::token_file(&root(self.id()));
+        let token = private::read(&path);
+        token.map_err(|e| Error::memory(format!("token of the run, {}", path.display()), e))
     }
 
     /// Identity of the run.
@@ -121,18 +144,31 @@ impl RunSpace {
         preflight(bytes)
     }
 
-    /// Remove everything of this run; returns the number of files removed. Refused while another
-    /// process of the run lives.
+    /// Remove everything of this run, and end what its processes started and left; returns the number of
+    /// files removed. Refused while another process of the run lives.
     pub fn sweep(&self) -> Result<usize, Error> {
-        let root = root(self.id());
-        if let Some((seat, member)) = members::alive(&root)
-            .into_iter()
-            .find(|(_, m)| m.pid != std::process::id())
-        {
-            let why = format!("the {seat} (process {}) still runs", member.pid);
-            return Err(Error::memory(format!("sweep of run {}", self.id()), why));
+        if self.orchestrator() == Some(std::process::id()) {
+            // Also one that keeps a seat locked which it inherited.
+            strays::end(self.id(), &members::ever(&root(self.id())));
         }
-        Ok(remove_run(self.id()))
+        clear(self.id(), members::others)
+    }
+
+    /// The other processes of this run that are stopped by a signal, by seat.
+    pub fn stopped(&self) -> BTreeMap<String, u32> {
+        let others = members::others(&root(self.id())).into_iter();
+        let processes = others.map(|(seat, member)| (seat, member.pid));
+        processes
+            .filter(|(_, process)| strays::is_stopped(*process))
+            .collect()
+    }
+
+    /// A folder of this name that only this user can enter, and that goes when the run goes; a seat is
+    /// taken.
+    pub fn folder(&self, name: &str) -> Result<PathBuf, Error> {
+        let path = root(self.id()).join(name);
+        private::folder(&path).map_err(|e| Error::memory(path.display().to_string(), e))?;
+        Ok(path)
     }
 
     /// Tell the others that the process of this seat will never come (it could not be started, or
@@ -141,26 +177,14 @@ impl RunSpace {
         members::mark_lost(&root(self.id()), seat)
     }
 
-    /// Runs in shared memory of which no process is alive.
+    /// Runs of this user in shared memory of which no process is alive.
     pub fn leftovers() -> Result<Vec<Leftover>, Error> {
-        let mut found: BTreeMap<String, Leftover> = BTreeMap::new();
-        let entries = fs::read_dir(SHARED_MEMORY).map_err(|e| Error::memory(SHARED_MEMORY, e))?;
-        for entry in entries.flatten() {
-            let name = entry.file_name().to_string_lossy().into_owned();
-            let Some(id) = run_of(&name) else { continue };
-            let left = found.entry(id.to_owned()).or_insert_with(|| Leftover {
-                id: id.to_owned(),
-                files: 0,
-                bytes: 0,
-            });
-            let (files, bytes) = size_of(&entry.path());
-            left.files += files;
-            left.bytes += bytes;
-        }
-        Ok(found
-            .into_values()
-            .filter(|left| members::alive(&root(&left.id)).is_empty())
-            .collect())
+        Ok(survey()?.0)
+    }
+
+    /// Runs of other users in shared memory, which this user cannot look into.
+    pub fn of_others() -> Result<Vec<Foreign>, Error> {
+        Ok(survey()?.1)
     }
 
     /// Does the orchestrator that the environment names live and have its seat?
@@ -184,14 +208,13 @@ impl RunSpace {
     /// Watch all other processes of this run; one watch a process.
     pub(crate) fn watch(&self, on_loss: OnLoss) -> Result<Arc<Board>, Error> {
         let mut presence = self.presence();
-        if presence.watch.is_none() {
-            presence.watch = Some(Watch::start(self.id(), &root(self.id()), on_loss)?);
+        if let Some(watch) = &presence.watch {
+            return Ok(watch.board());
         }
-        Ok(presence
-            .watch
-            .as_ref()
-            .map(Watch::board)
-            .unwrap_or_default())
+        let watch = Watch::start(self.id(), &root(self.id()), on_loss)?;
+        let board = watch.board();
+        presence.watch = Some(watch);
+        Ok(board)
     }
 
     fn presence(&self) -> MutexGuard<'_, Presence> {
@@ -218,28 +241,31 @@ impl Drop for Shared {
 impl Leftover {
     /// Remove it; returns the number of files removed.
     pub fn sweep(&self) -> Result<usize, Error> {
-        RunSpace::with(self.id.clone(), None).sweep()
+        clear(&self.id, members::alive)
     }
 }
 
-fn fresh_id() -> String {
-    let now = SystemTime::now()
-        .duration_since(UNIX_EPOCH)
-        .map_or(0, |d| d.as_nanos() as u64);
-    static COUNTER: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
-    let count = COUNTER.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-    let pid = u64::from(std::process::id());
-    let mixed =
-        (now ^ pid.rotate_left(32) ^ count.rotate_left(56)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    format!("{:010x}", mixed >> 24)
+/// Remove a run of which nobody lives that counts.
+fn clear(id: &str, living: impl FnOnce(&Path) -> BTreeMap<String, Member>) -> Result<usize, Error> {
+    let root = root(id);
+    let what = || format!("sweep of run {id}");
+    let _lock = match root.exists() {
+        true => Some(lock(&root).map_err(|e| Error::memory(what(), e))?),
+        false => None,
+    };
+    if let Some((seat, member)) = living(&root).into_iter().next() {
+        let why = format!("the {seat} (process {}) still runs", member.pid);
+        return Err(Error::memory(what(), why));
+    }
+    strays::end(id, &members::ever(&root));
+    remove_run(id)
 }
 
-fn run_of(name: &str) -> Option<&str> {
-    match name.strip_prefix("sillage-") {
-        Some(id) => Some(id),
-        None => name
-            .strip_prefix("sillage")
-            .and_then(|rest| rest.split_once('_'))
-            .map(|(id, _)| id),
+fn check_name(id: &str, longest: usize) -> Result<(), Error> {
+    let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit();
+    if id.is_empty() || id.len() > longest || !id.chars().all(plain) {
+        let why = format!("`{id}` is not 1 to {longest} characters of a-z and 0-9");
+        return Err(Error::memory(format!("name of a run ({ENV_RUN})"), why));
     }
+    Ok(())
 }

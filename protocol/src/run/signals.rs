@@ -76,6 +76,12 @@ pub(crate) fn report_full_memory() {
     }
 }
 
+/// End this process without running anything more.
+pub(crate) fn exit_at_once(code: i32) -> ! {
+    // SAFETY: _exit runs no code of this process, and may be called on any thread at any time.
+    unsafe { libc::_exit(code) }
+}
+
 /// Ctrl-C reaches every process of a terminal; the orchestrator decides what it means.
 pub(crate) fn leave_interrupts_to_orchestrator() {
     // SAFETY: sets a disposition, runs no code of ours.

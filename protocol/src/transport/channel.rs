@@ -1,11 +1,12 @@
 //! What the protocol needs from a transport. Two back ends: `ipc` between processes, `local`
 //! between threads. Nothing above this trait knows about shared memory, so a network can follow.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use crate::language::error::Error;
 use crate::language::field::Field;
 use crate::language::header::FieldHeader;
+use crate::run::awake;
 
 /// What a receiver waits for, and for how long at most.
 #[derive(Debug, Clone, Copy)]
@@ -14,10 +15,10 @@ pub struct Wait<'a> {
     pub step: u64,
     /// What is awaited, for error messages.
     pub awaited: &'a str,
-    /// When waiting began.
-    pub since: Instant,
-    /// How long it may last.
-    pub limit: Duration,
+    /// When waiting began, by the clock of `awake`.
+    since: Duration,
+    /// How long it may last, in time in which the waiter itself could look.
+    limit: Duration,
 }
 
 impl<'a> Wait<'a> {
@@ -26,7 +27,7 @@ impl<'a> Wait<'a> {
         Wait {
             step,
             awaited,
-            since: Instant::now(),
+            since: awake::now(),
             limit,
         }
     }
@@ -38,7 +39,8 @@ impl<'a> Wait<'a> {
 
     /// Time left until the deadline.
     pub fn left(&self) -> Duration {
-        self.limit.saturating_sub(self.since.elapsed())
+        let waited = awake::now().saturating_sub(self.since);
+        self.limit.saturating_sub(waited)
     }
 
     /// The error of a deadline that passed.
@@ -121,4 +123,6 @@ pub trait Channel {
     fn anyone_is_lost(&self) -> bool;
     /// Is the partner known to be gone?
     fn peer_is_gone(&self) -> bool;
+    /// What an engine must show, where somebody else could have opened the link.
+    fn token(&self) -> Option<&str>;
 }

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use crate::language::field::{Exchange, Field, TO_FLUID, count, sent_in};
 use crate::language::role::Role;
+use crate::run::limits;
 use crate::run::liveness::Board;
 
 /// What distinguishes one end of one link.
@@ -81,7 +82,7 @@ impl Role {
             sends,
             receives,
             queue: ENGINE_QUEUE,
-            patience: Duration::from_secs(10),
+            patience: limits::QUEUE.duration(),
             heeds_others: true,
         }
     }
@@ -97,7 +98,7 @@ pub(crate) fn monitor_sender_end() -> End {
         receives: &[],
         queue: MONITOR_QUEUE,
         // Longer than the orchestrator waits for a full disk.
-        patience: Duration::from_secs(120),
+        patience: limits::TAKE_OVER.duration(),
         // A loss must still be reported, and read.
         heeds_others: false,
     }

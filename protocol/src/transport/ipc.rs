@@ -1,24 +1,28 @@
 //! The back end between processes: iceoryx2 in shared memory.
 
-use std::os::fd::RawFd;
+use std::os::fd::BorrowedFd;
 
 use iceoryx2::port::listener::Listener;
-use iceoryx2::prelude::{FileDescriptorBased, ipc};
+use iceoryx2::prelude::{Config, ipc};
 
+use super::descriptor;
 use super::ends::End;
 use super::services::configuration;
 use crate::language::error::Error;
 use crate::language::role::Role;
 use crate::run::liveness::OnLoss;
-use crate::run::place;
 use crate::run::runspace::RunSpace;
+use crate::run::{names, place};
 use crate::transport::channel::Channel;
 use crate::transport::link::{Backend, Link};
 
 impl Backend for ipc::Service {
-    fn descriptor(listener: &Listener<Self>) -> RawFd {
-        // SAFETY: only handed to `poll`; the listener keeps owning it.
-        unsafe { listener.file_descriptor().native_handle() }
+    fn descriptor(listener: &Listener<Self>) -> BorrowedFd<'_> {
+        descriptor::borrowed(listener)
+    }
+
+    fn close_to_others(config: &Config) -> Result<(), Error> {
+        place::close_shared(&config.global.prefix.to_string())
     }
 }
 
@@ -37,7 +41,9 @@ pub fn coupler_link(runspace: &RunSpace, role: Role) -> Result<Box<dyn Channel>,
 pub(crate) fn open(runspace: &RunSpace, end: End) -> Result<Box<dyn Channel>, Error> {
     runspace.take_seat(end.me)?;
     let board = runspace.watch(OnLoss::Report)?;
-    let config = configuration(&place::root(runspace.id()), &place::prefix(runspace.id()))?;
-    let link = Link::<ipc::Service>::open(&config, end, board, Box::new(runspace.clone()))?;
+    let config = configuration(&names::root(runspace.id()), &names::prefix(runspace.id()))?;
+    let token = Some(runspace.token()?);
+    let membership = Box::new(runspace.clone());
+    let link = Link::<ipc::Service>::open(&config, end, board, token, membership)?;
     Ok(Box::new(link))
 }

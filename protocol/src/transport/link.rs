@@ -7,7 +7,7 @@
 
 use std::any::Any;
 use std::collections::BTreeMap;
-use std::os::fd::{BorrowedFd, RawFd};
+use std::os::fd::BorrowedFd;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -19,12 +19,11 @@ use iceoryx2::prelude::{
     AllocationStrategy, Config, LogLevel, Node, NodeBuilder, NodeName, SignalHandlingMode,
     set_log_level,
 };
-use iceoryx2::sample::Sample;
-use iceoryx2::sample_mut::SampleMut;
 use iceoryx2::service::Service;
 use iceoryx2::service::port_factory::PortFactory as _;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
+use super::buffers::{Arrived, Loaned};
 use super::ends::End;
 use super::services::{
     Fields, Messages, culprit, delivered, event_service, field_service, loaning, message_publisher,
@@ -45,7 +44,11 @@ const AWAKE: Duration = Duration::from_micros(50);
 /// A flavour of iceoryx2 whose listeners can be polled together with other descriptors.
 pub(crate) trait Backend: Service + 'static {
     /// Descriptor that is readable while a wake-up is pending.
-    fn descriptor(listener: &Listener<Self>) -> RawFd;
+    fn descriptor(listener: &Listener<Self>) -> BorrowedFd<'_>;
+    /// Called when a node was made: what the library leaves open to others is closed.
+    fn close_to_others(_config: &Config) -> Result<(), Error> {
+        Ok(())
+    }
 }
 
 /// A publisher of one field; made when it is first needed, when its size is known.
@@ -67,6 +70,7 @@ pub(crate) struct Link<S: Backend> {
     listener: Listener<S>,
     notifier: Notifier<S>,
     check: bool,
+    token: Option<String>,
     // Last, in this order: ports go before their node, and all files before the membership.
     _node: Node<S>,
     _membership: Box<dyn Any>,
@@ -78,6 +82,7 @@ impl<S: Backend> Link<S> {
         config: &Config,
         end: End,
         board: Arc<Board>,
+        token: Option<String>,
         membership: Box<dyn Any>,
     ) -> Result<Link<S>, Error> {
         set_log_level(LogLevel::Warn);
@@ -89,6 +94,7 @@ impl<S: Backend> Link<S> {
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<S>()
             .map_err(|e| opening(&name, e))?;
+        S::close_to_others(config)?;
         let (out, back) = (format!("to_{}", end.peer), format!("to_{}", end.me));
         let messages_service =
             message_service(&node, &service_name(&end, &out, "messages"), end.queue)?;
@@ -138,6 +144,7 @@ impl<S: Backend> Link<S> {
             listener,
             notifier,
             check,
+            token,
             _node: node,
             _membership: membership,
         };
@@ -205,8 +212,6 @@ impl<S: Backend> Link<S> {
     /// Block until a wake-up or an alarm.
     fn block(&self, limit: Duration) -> Result<(), Error> {
         let pending = S::descriptor(&self.listener);
-        // SAFETY: the descriptor belongs to the listener, which lives as long as `self`.
-        let pending = unsafe { BorrowedFd::borrow_raw(pending) };
         let alarm = self.board.alarm();
         let mut fds = [
             PollFd::new(&pending, PollFlags::IN),
@@ -307,7 +312,7 @@ impl<S: Backend> Channel for Link<S> {
         drop(guard);
         *sample.user_header_mut() = header;
         let sample = sample.write_from_fn(|_| f64::NAN);
-        Ok(Box::new(LoanedField {
+        Ok(Box::new(Loaned {
             sample,
             field,
             check: self.check,
@@ -349,7 +354,7 @@ impl<S: Backend> Channel for Link<S> {
             let sample = subscriber
                 .receive()
                 .map_err(|e| Error::transport(field.name(), e))?;
-            Ok(sample.map(|sample| Box::new(ReceivedField { sample }) as Box<dyn Received>))
+            Ok(sample.map(|sample| Box::new(Arrived { sample }) as Box<dyn Received>))
         })
     }
 
@@ -399,47 +404,8 @@ impl<S: Backend> Channel for Link<S> {
     fn peer_is_gone(&self) -> bool {
         self.board.is_gone(self.end.peer)
     }
-}
 
-struct LoanedField<S: Backend> {
-    sample: SampleMut<S, [f64], FieldHeader>,
-    field: Field,
-    check: bool,
-    end: End,
-    board: Arc<Board>,
-}
-
-impl<S: Backend> Loan for LoanedField<S> {
-    fn values(&mut self) -> &mut [f64] {
-        self.sample.payload_mut()
-    }
-
-    fn send(mut self: Box<Self>) -> Result<(), Error> {
-        if self.check {
-            self.sample.user_header_mut().check = check_sum(self.sample.payload());
-        }
-        let LoanedField {
-            sample,
-            field,
-            end,
-            board,
-            ..
-        } = *self;
-        let step = sample.user_header().step;
-        delivered(field.name(), step, &end, &board, sample.send())
-    }
-}
-
-struct ReceivedField<S: Backend> {
-    sample: Sample<S, [f64], FieldHeader>,
-}
-
-impl<S: Backend> Received for ReceivedField<S> {
-    fn header(&self) -> &FieldHeader {
-        self.sample.user_header()
-    }
-
-    fn values(&self) -> &[f64] {
-        self.sample.payload()
+    fn token(&self) -> Option<&str> {
+        self.token.as_deref()
     }
 }

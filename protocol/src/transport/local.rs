@@ -1,12 +1,13 @@
 //! The back end between threads, for tests: the same loop, messages and buffers, on the heap.
 
-use std::os::fd::RawFd;
+use std::os::fd::BorrowedFd;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use iceoryx2::port::listener::Listener;
-use iceoryx2::prelude::{FileDescriptorBased, local};
+use iceoryx2::prelude::local;
 
+use super::descriptor;
 use super::ends::End;
 use super::services::configuration;
 use crate::coupler::partner::Partner;
@@ -15,7 +16,7 @@ use crate::language::error::Error;
 use crate::language::role::Role;
 use crate::language::scene::Limits;
 use crate::run::liveness::Board;
-use crate::run::place;
+use crate::run::names;
 use crate::transport::channel::Channel;
 use crate::transport::link::{Backend, Link};
 
@@ -27,9 +28,8 @@ pub const LIMITS: Limits = Limits {
 };
 
 impl Backend for local::Service {
-    fn descriptor(listener: &Listener<Self>) -> RawFd {
-        // SAFETY: only handed to `poll`; the listener keeps owning it.
-        unsafe { listener.file_descriptor().native_handle() }
+    fn descriptor(listener: &Listener<Self>) -> BorrowedFd<'_> {
+        descriptor::borrowed(listener)
     }
 }
 
@@ -89,7 +89,7 @@ pub fn connect(
         std::process::id(),
         COUNT.fetch_add(1, Ordering::Relaxed)
     );
-    let (coupler, engine) = (Arc::new(Board::default()), Arc::new(Board::default()));
+    let (coupler, engine) = (Arc::new(Board::new()?), Arc::new(Board::new()?));
     let end = role.engine_end();
     let there = Membership {
         me: end.me,
@@ -119,11 +119,12 @@ fn open(
     board: Arc<Board>,
     membership: Membership,
 ) -> Result<Box<dyn Channel>, Error> {
-    let config = configuration(&place::root(id), &place::prefix(id))?;
+    let config = configuration(&names::root(id), &names::prefix(id))?;
     Ok(Box::new(Link::<local::Service>::open(
         &config,
         end,
         board,
+        None,
         Box::new(membership),
     )?))
 }

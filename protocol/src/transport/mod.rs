@@ -2,7 +2,9 @@
 //! and one end of a link over iceoryx2, in shared memory ([`ipc`]) or on the heap ([`local`]); sending and
 //! receiving with validation. Read `channel`, `ends`, `services`, `link`, `exchange`.
 
+pub(crate) mod buffers;
 pub mod channel;
+pub(crate) mod descriptor;
 pub(crate) mod ends;
 pub(crate) mod exchange;
 pub mod ipc;

@@ -2,7 +2,7 @@
 //! mean for a run.
 
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use iceoryx2::port::publisher::Publisher;
@@ -19,6 +19,7 @@ use crate::language::codec;
 use crate::language::error::Error;
 use crate::language::header::FieldHeader;
 use crate::language::header::PROTOCOL_VERSION;
+use crate::run::awake;
 use crate::run::liveness::Board;
 use crate::transport::channel::Wait;
 
@@ -38,6 +39,11 @@ pub(crate) fn configuration(root: &Path, prefix: &str) -> Result<Config, Error> 
     let root = root.to_string_lossy();
     let path = iceoryx2::prelude::Path::new(root.as_bytes()).map_err(trouble)?;
     config.global.set_root_path(&path);
+    // A run removes its files itself. The library's own removal waits without end for a segment that
+    // somebody was killed over between making and sizing it (iceoryx2 0.10).
+    config.global.node.cleanup_dead_nodes_on_creation = false;
+    config.global.node.cleanup_dead_nodes_on_destruction = false;
+    config.global.service.cleanup_dead_nodes_on_open = false;
     Ok(config)
 }
 
@@ -118,8 +124,14 @@ pub(crate) fn patience(
     board: &Arc<Board>,
 ) -> impl Fn(&BackpressureInfo) -> BackpressureAction + Send + 'static {
     let (end, board) = (end.clone(), Arc::clone(board));
+    let begun = Mutex::new(Duration::ZERO);
     move |info| {
-        if info.elapsed_time >= end.patience || end.missing(&board).is_some() {
+        let mut begun = begun.lock().unwrap_or_else(PoisonError::into_inner);
+        if info.retries == 0 {
+            *begun = awake::now();
+        }
+        let full_for = awake::now().saturating_sub(*begun);
+        if full_for >= end.patience || end.missing(&board).is_some() {
             BackpressureAction::DiscardDataAndFail
         } else {
             BackpressureAction::Retry

@@ -20,6 +20,7 @@ fn hello() -> Hello {
         protocol: PROTOCOL_VERSION,
         process: 1,
         capabilities: Vec::new(),
+        token: None,
     }
 }
 

@@ -70,7 +70,7 @@ fn orchestrator() -> i32 {
     0
 }
 
-fn start(role: &str, environment: &[(String, String)], fault: &str) -> Child {
+pub fn start(role: &str, environment: &[(String, String)], fault: &str) -> Child {
     let mut command = Command::new(std::env::current_exe().unwrap());
     // What started the tests may ignore signals (nohup, a shell's `&`), and children inherit that.
     // SAFETY: signal is async-signal-safe.
@@ -103,7 +103,7 @@ fn start(role: &str, environment: &[(String, String)], fault: &str) -> Child {
 }
 
 /// Exit code and stderr of a child that must end within `limit`.
-fn end(mut child: Child, limit: Duration) -> (Option<i32>, String) {
+pub fn end(mut child: Child, limit: Duration) -> (Option<i32>, String) {
     let began = Instant::now();
     while child.try_wait().unwrap().is_none() {
         if began.elapsed() > limit {
@@ -209,6 +209,9 @@ fn a_killed_engine_ends_the_wait_within_a_second_and_takes_its_files_along() {
     fluid.configure_fluid(&toy::fluid_scene(4)).unwrap();
     fluid.advance(&toy::request(1, 0), &[], &mut []).unwrap();
     fluid.commit(1).unwrap();
+    // As a process leaves it that is killed between making and sizing a segment: who opens it waits for ever.
+    let half = format!("/dev/shm/sillage{}_half.connection", &id[..10]);
+    std::fs::write(&half, "").unwrap();
     let killer = std::thread::spawn(move || {
         std::thread::sleep(Duration::from_millis(300));
         victim.kill().unwrap();
@@ -227,6 +230,9 @@ fn a_killed_engine_ends_the_wait_within_a_second_and_takes_its_files_along() {
         "the fluid is gone at step 2, while waiting for Done"
     );
     assert!(latency < Duration::from_secs(1), "{latency:?}");
+    while std::path::Path::new(&half).exists() {
+        assert!(noticed.elapsed() < Duration::from_secs(1));
+    }
     let (code, text) = end(other, Duration::from_secs(1));
     assert_eq!(code, Some(5));
     assert!(text.contains("the fluid is gone"), "{text}");

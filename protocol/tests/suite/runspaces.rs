@@ -1,13 +1,11 @@
+use std::fs::DirBuilder;
+use std::os::unix::fs::DirBuilderExt;
+
 use protocol::runspace::RunSpace;
 
 pub fn files_of(id: &str) -> Vec<String> {
-    let names = std::fs::read_dir("/dev/shm").unwrap().flatten();
-    let names = names.map(|entry| entry.file_name().to_string_lossy().into_owned());
-    names
-        .filter(|name| {
-            name.starts_with(&format!("sillage{id}_")) || *name == format!("sillage-{id}")
-        })
-        .collect()
+    let files = protocol::runspace::files_of(id).into_iter();
+    files.map(|path| path.display().to_string()).collect()
 }
 
 #[test]
@@ -24,8 +22,15 @@ fn run_spaces_have_different_names_and_hand_them_to_children() {
     let (a, b) = (RunSpace::create().unwrap(), RunSpace::create().unwrap());
     assert_ne!(a.id(), b.id());
     let pid = std::process::id().to_string();
-    let expected = [("SILLAGE_RUN", a.id()), ("SILLAGE_ORCHESTRATOR", &pid)];
     let environment = a.to_environment();
+    let token = &environment[2].1;
+    assert_eq!((a.id().len(), token.len()), (25, 25), "128 bits each");
+    let expected = [
+        ("SILLAGE_RUN", a.id()),
+        ("SILLAGE_ORCHESTRATOR", &pid),
+        ("SILLAGE_TOKEN", token),
+    ];
+    assert_ne!(*token, b.to_environment()[2].1);
     assert!(
         environment
             .iter()
@@ -58,7 +63,9 @@ fn leftovers_of_a_dead_run_are_found_and_swept_and_living_runs_are_not() {
     let living = RunSpace::create().unwrap();
     let dead = format!("dead{}", std::process::id());
     let root = format!("/dev/shm/sillage-{dead}");
-    std::fs::create_dir_all(format!("{root}/members")).unwrap();
+    for folder in [root.clone(), format!("{root}/members")] {
+        DirBuilder::new().mode(0o700).create(folder).unwrap();
+    }
     std::fs::write(format!("{root}/lock"), "").unwrap();
     // This process id with another start time: a process that is long gone.
     std::fs::write(

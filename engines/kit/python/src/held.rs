@@ -133,4 +133,8 @@ impl Channel for HeldLink {
     fn peer_is_gone(&self) -> bool {
         self.inner.peer_is_gone()
     }
+
+    fn token(&self) -> Option<&str> {
+        self.inner.token()
+    }
 }

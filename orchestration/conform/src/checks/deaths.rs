@@ -12,12 +12,12 @@ use nix::sys::signal::Signal;
 use protocol::field::Field;
 use protocol::header::FieldHeader;
 use protocol::partner::Partner;
-use protocol::runspace::RunSpace;
+use protocol::runspace::{RunSpace, files_of};
 
 use crate::bench::{Bench, LEAVE, header, send_advance};
 use crate::case::{Case, Part};
 use crate::check::{ANSWERS, Check, HELLO, READY, Trouble};
-use crate::subject::{Subject, shared_memory_of};
+use crate::subject::Subject;
 use scene::error::{Error, exit_code};
 
 pub(super) const CHECKS: &[Check] = &[
@@ -266,10 +266,13 @@ fn death(case: &Case, state: State) -> Result<(), Trouble> {
     drop(victim);
     let left = subject.must_leave(exit_code::PARTNER_LOST, LEAVE);
     drop(subject);
-    let behind = shared_memory_of(&run);
+    let behind = files_of(&run);
     if !behind.is_empty() {
         // Not its to remove when it was killed here.
-        let _ = RunSpace::named(&run).and_then(|run| run.sweep());
+        let left = RunSpace::leftovers().into_iter().flatten();
+        left.filter(|left| left.id == run).for_each(|left| {
+            let _ = left.sweep();
+        });
     }
     left.map_err(|why| format!("after the death {why}"))?;
     match behind.first() {

@@ -36,6 +36,8 @@ pub struct Findings {
     pub programs: Vec<Program>,
     /// What dead runs left in shared memory.
     pub leftovers: Vec<Left>,
+    /// Runs of other users, alive or not: only they can tell, and remove them.
+    pub others: Vec<Other>,
     /// What should be mended, and how.
     pub problems: Vec<String>,
 }
@@ -60,6 +62,17 @@ pub struct Left {
     pub bytes: u64,
     /// Were they removed just now?
     pub removed: bool,
+    /// Why they could not be.
+    pub trouble: Option<String>,
+}
+
+/// A run of another user.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Other {
+    /// The run.
+    pub run: String,
+    /// The user's number.
+    pub user: u32,
 }
 
 /// Look around; `clean` removes what dead runs left.
@@ -80,6 +93,7 @@ pub fn examine(clean: bool) -> Result<Findings, Error> {
         commit: version::commit().map(String::from),
         programs: programs(),
         leftovers: leftovers(clean)?,
+        others: others()?,
         problems: Vec::new(),
     };
     findings.problems = problems(&findings);
@@ -98,21 +112,36 @@ fn programs() -> Vec<Program> {
 }
 
 fn leftovers(clean: bool) -> Result<Vec<Left>, Error> {
-    let transport = |error: protocol::error::Error| Error::Run {
-        code: error.exit_code(),
-        why: error.to_string(),
-    };
     let mut found = Vec::new();
     for leftover in RunSpace::leftovers().map_err(transport)? {
-        let removed = clean && leftover.sweep().is_ok();
+        let swept = clean.then(|| leftover.sweep());
+        let removed = matches!(swept, Some(Ok(_)));
+        let trouble = swept.and_then(Result::err).map(|error| error.to_string());
         found.push(Left {
             run: leftover.id.clone(),
             files: leftover.files,
             bytes: leftover.bytes,
             removed,
+            trouble,
         });
     }
     Ok(found)
+}
+
+fn others() -> Result<Vec<Other>, Error> {
+    let others = RunSpace::of_others().map_err(transport)?.into_iter();
+    let others = others.map(|other| Other {
+        run: other.id,
+        user: other.user,
+    });
+    Ok(others.collect())
+}
+
+fn transport(error: protocol::error::Error) -> Error {
+    Error::Run {
+        code: error.exit_code(),
+        why: error.to_string(),
+    }
 }
 
 fn problems(findings: &Findings) -> Vec<String> {
@@ -144,8 +173,10 @@ fn problems(findings: &Findings) -> Vec<String> {
     let left = findings
         .leftovers
         .iter()
-        .filter(|left| !left.removed)
+        .filter(|left| !left.removed && left.trouble.is_none())
         .count();
+    let stuck = findings.leftovers.iter();
+    problems.extend(stuck.filter_map(|left| left.trouble.clone()));
     if left > 0 {
         problems.push(format!(
             "{left} dead runs left files in shared memory: sillage doctor --clean"
@@ -200,6 +231,7 @@ impl fmt::Display for Findings {
             files,
             bytes: size,
             removed,
+            ..
         } in &self.leftovers
         {
             let what = if *removed { "removed" } else { "left over" };
@@ -207,6 +239,12 @@ impl fmt::Display for Findings {
                 out,
                 "dead run       {run}: {files} files, {}, {what}",
                 bytes(*size)
+            )?;
+        }
+        for Other { run, user } in &self.others {
+            writeln!(
+                out,
+                "run            {run} of user {user}: alive or not, only that user can look into it"
             )?;
         }
         if self.problems.is_empty() {

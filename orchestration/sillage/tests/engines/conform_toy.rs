@@ -153,6 +153,7 @@ impl Toy {
                 Capability::FieldsOnRequest,
                 Capability::RemovesGrains,
             ],
+            token: self.link.token().map(str::to_owned),
         });
         let wait = Wait::new(0, "an ear", seconds("SILLAGE_CONNECT_LIMIT", 60.0));
         while !self.send(&hello)? {

@@ -7,7 +7,7 @@ use protocol::channel::{Channel, Loan, Received, Wait};
 use protocol::codec;
 use protocol::field::Field;
 use protocol::header::{FieldHeader, Stage};
-use protocol::message::{Role, ToEngine};
+use protocol::message::{Role, ToCoupler, ToEngine};
 
 use crate::entry::Kind;
 
@@ -37,9 +37,26 @@ impl Tap {
         });
     }
 
-    fn answer(&self, message: &(FieldHeader, Vec<u8>)) {
-        self.message(Kind::Answer, message.0, &message.1);
+    fn answer(&self, (header, bytes): &(FieldHeader, Vec<u8>)) {
+        match without_token(header, bytes) {
+            Some((header, bytes)) => self.message(Kind::Answer, header, &bytes),
+            None => self.message(Kind::Answer, *header, bytes),
+        }
     }
+}
+
+/// A hello whose token is blank: whoever gets the recording cannot join a run with it.
+fn without_token(header: &FieldHeader, bytes: &[u8]) -> Option<(FieldHeader, Vec<u8>)> {
+    // Messages of other kinds are not decoded for this.
+    const HELLO: u8 = 0;
+    bytes.first().filter(|&&kind| kind == HELLO)?;
+    let Ok(ToCoupler::Hello(mut hello)) = codec::decode(bytes) else {
+        return None;
+    };
+    hello.token = None;
+    let blank = codec::encode(&ToCoupler::Hello(hello)).ok()?;
+    let count = blank.len() as u64;
+    Some((FieldHeader { count, ..*header }, blank))
 }
 
 impl Channel for Tap {
@@ -129,6 +146,10 @@ impl Channel for Tap {
     fn peer_is_gone(&self) -> bool {
         self.inner.peer_is_gone()
     }
+
+    fn token(&self) -> Option<&str> {
+        self.inner.token()
+    }
 }
 
 /// A buffer that is copied when it is sent.
@@ -157,5 +178,34 @@ impl Loan for TappedLoan {
             Payload::Numbers(values.to_vec())
         });
         self.inner.send()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protocol::PROTOCOL_VERSION;
+    use protocol::message::Hello;
+
+    #[test]
+    fn a_recording_does_not_tell_the_token_of_its_run() {
+        let mut hello = Hello {
+            role: Role::Fluid,
+            engine: "odd".to_owned(),
+            version: "0".to_owned(),
+            protocol: PROTOCOL_VERSION,
+            process: 1,
+            capabilities: Vec::new(),
+            token: Some("secret".to_owned()),
+        };
+        let bytes = codec::encode(&ToCoupler::Hello(hello.clone())).expect("small");
+        let header = FieldHeader::message(0, 0, bytes.len());
+        let (header, blank) = without_token(&header, &bytes).expect("a hello");
+        hello.token = None;
+        assert_eq!(header.count, blank.len() as u64);
+        assert_eq!(codec::decode(&blank), Ok(ToCoupler::Hello(hello)));
+        let stored = codec::encode(&ToCoupler::Stored).expect("small");
+        let header = FieldHeader::message(0, 0, stored.len());
+        assert!(without_token(&header, &stored).is_none());
     }
 }

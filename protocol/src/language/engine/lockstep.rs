@@ -35,6 +35,7 @@ pub(crate) fn serve<S: Seat>(seat: &mut S, link: Box<dyn Channel>) -> Result<(),
         protocol: PROTOCOL_VERSION,
         process: std::process::id(),
         capabilities: [seat.capabilities(), vec![Capability::FieldsOnRequest]].concat(),
+        token: link.token().map(str::to_owned),
     };
     let mut session = Session::new(link, &hello);
     session.say_hello(hello)?;

@@ -14,8 +14,9 @@ use crate::language::message::{
     ToCoupler, ToEngine,
 };
 use crate::language::report::Report;
+use crate::run::limits;
 use crate::run::process::cpu_seconds;
-use crate::transport::channel::{Channel, Wait, seconds};
+use crate::transport::channel::{Channel, Wait};
 use crate::transport::exchange::{Counts, Moment};
 
 use super::fields::{Inputs, Outputs};
@@ -164,8 +165,6 @@ impl Cost {
 impl Session {
     /// Of an engine that introduces itself like this.
     pub(crate) fn new(channel: Box<dyn Channel>, hello: &Hello) -> Session {
-        const CONNECT: f64 = 60.0;
-        const IDLE: f64 = 86_400.0;
         Session {
             channel,
             counts: Counts::default(),
@@ -173,8 +172,8 @@ impl Session {
             who: hello.role.seat(),
             step: 0,
             pass: 0,
-            connect: seconds(limit("SILLAGE_CONNECT_LIMIT", CONNECT)),
-            idle: seconds(limit("SILLAGE_IDLE_LIMIT", IDLE)),
+            connect: limits::CONNECT.duration(),
+            idle: limits::IDLE.duration(),
             configured: false,
             committed: None,
             candidate: None,
@@ -249,13 +248,6 @@ impl Session {
         }
         Ok(())
     }
-}
-
-fn limit(name: &str, default: f64) -> f64 {
-    std::env::var(name)
-        .ok()
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(default)
 }
 
 /// A message at the wrong moment: the engine leaves.
