@@ -18,6 +18,7 @@
 use space::{Dim, Dimension, Vector, hypot};
 
 use crate::coupled::outcome::Outcome;
+use crate::error::CouplerError;
 use crate::immersion::Immersion;
 use crate::scale::{present, relative};
 use crate::state::Grains;
@@ -42,6 +43,29 @@ pub struct Budget {
     pub drag_dissipation: f64,
     /// Power lost in contacts \[W\].
     pub contact_dissipation: f64,
+}
+
+/// Largest defect of what is exact but for round-off: volume, and action against reaction.
+const EXACT: f64 = 1e-6;
+
+impl Budget {
+    /// The defects that must vanish but for round-off, or an error that names the one that does not.
+    pub fn check(&self, step: u64) -> Result<(), CouplerError> {
+        let exact = [
+            ("volume_defect", self.volume_defect),
+            ("third_law_defect", self.third_law_defect),
+        ];
+        let broken = |defect: f64| defect.is_nan() || defect > EXACT;
+        match exact.into_iter().find(|(_, defect)| broken(*defect)) {
+            None => Ok(()),
+            Some((what, defect)) => Err(CouplerError::Unbalanced {
+                step,
+                what,
+                defect,
+                bound: EXACT,
+            }),
+        }
+    }
 }
 
 /// Balances of a coupled step about to be accepted; `solid_power` is P_sol, per metre of depth.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   nominal    Δt = coupling_step, or adaptive: the fastest grain crosses `courant` cells, in bounds
-//!   failed     Δt ← Δt/2 and the same step again, down to coupling_step/64 (adaptive: step_min)
+//!   failed     Δt ← Δt/2 and the same step again, down to step_min (else coupling_step/64, adaptive: its own)
 //!   accepted   Δt ← min(nominal, 2 Δt) after a failure, min(nominal, 1.2 Δt) when adaptive
 //! ```
 //!
@@ -13,6 +13,7 @@
 //! steps.
 
 use protocol::scene::{AdaptiveStep, CouplerScene};
+use serde::{Deserialize, Serialize};
 
 /// An adaptive step may grow by this factor over the last one.
 const GROWTH_MAX: f64 = 1.2;
@@ -27,12 +28,20 @@ const ROUND_OFF: f64 = 1e-9;
 /// A nominal step may be halved down to this part of it.
 const SMALLEST_PART: f64 = 1.0 / 64.0;
 
+/// What a clock remembers of the steps before.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    coupling_step: f64,
+    next_output: f64,
+}
+
 /// Chooses the coupling steps of a run.
 #[derive(Debug, Clone)]
 pub struct Clock {
     end_time: f64,
     nominal: f64,
     coupling_step: f64,
+    step_min: Option<f64>,
     adaptive: Option<AdaptiveStep>,
     output_every: Option<f64>,
     next_output: f64,
@@ -50,10 +59,28 @@ impl Clock {
             end_time: scene.end_time,
             nominal: scene.coupling_step,
             coupling_step: scene.coupling_step,
+            step_min: scene.step_min,
             adaptive: scene.adaptive,
             output_every: scene.output_every,
             next_output: scene.output_every.unwrap_or(f64::INFINITY),
         }
+    }
+
+    /// What is to be remembered of the steps so far.
+    pub fn memory(&self) -> Memory {
+        Memory {
+            coupling_step: self.coupling_step,
+            next_output: self.next_output,
+        }
+    }
+
+    /// Go on from there.
+    pub fn remember(&mut self, memory: Memory) {
+        let Memory {
+            coupling_step,
+            next_output,
+        } = memory;
+        (self.coupling_step, self.next_output) = (coupling_step, next_output);
     }
 
     /// Is the run over at this time?
@@ -129,8 +156,9 @@ impl Clock {
 
     /// Smallest step that a failed one may be cut to \[s\].
     pub fn step_min(&self) -> f64 {
-        self.adaptive
-            .map_or(SMALLEST_PART * self.nominal, |adaptive| adaptive.step_min)
+        let adaptive = self.adaptive.map(|adaptive| adaptive.step_min);
+        let own = adaptive.unwrap_or(SMALLEST_PART * self.nominal);
+        self.step_min.unwrap_or(own)
     }
 
     /// Is a state due for output at this time? The last state always is.
@@ -159,6 +187,7 @@ mod tests {
             dimension: 2,
             end_time,
             coupling_step,
+            step_min: None,
             adaptive,
             gravity: vec![0.0, -9.81],
             fluid: None,

@@ -177,6 +177,12 @@ impl Totals {
         self.worst("passes_max", f64::from(report.passes));
     }
 
+    /// Add a checkpoint that took so long \[s\].
+    pub fn add_checkpoint(&mut self, seconds: f64) {
+        self.sum("checkpoints", 1.0);
+        self.sum("seconds_checkpoints", seconds);
+    }
+
     fn sum(&mut self, name: &str, amount: f64) {
         self.update(name, amount, |old, new| old + new);
     }

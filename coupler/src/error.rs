@@ -107,10 +107,25 @@ pub enum CouplerError {
         /// The quantity and its place.
         what: String,
     },
+    /// What a step exchanged does not balance.
+    #[error(
+        "step {step}: {what} is {defect:.2e}, allowed is {bound:.0e}: what grains and fluid gave each other \
+         does not balance; a smaller coupling step, or a report of this scene"
+    )]
+    Unbalanced {
+        /// Which step.
+        step: u64,
+        /// Which defect.
+        what: &'static str,
+        /// How large it is.
+        defect: f64,
+        /// How large it may be.
+        bound: f64,
+    },
     /// A step failed at the smallest length too.
     #[error(
         "step {step}: needs a coupling step of {dt:.3e} s, below the smallest allowed, {step_min:.3e} s \
-         (coupling_step/64, or step_min when adaptive): {why}"
+         (run.step_min; without it coupling_step/64, or step_min when adaptive): {why}"
     )]
     StepTooSmall {
         /// Which step.
@@ -120,6 +135,14 @@ pub enum CouplerError {
         /// The bound \[s\].
         step_min: f64,
         /// Why it was halved.
+        why: String,
+    },
+    /// What was kept of a run cannot be written, or not be resumed.
+    #[error("checkpoint {file}: {why}")]
+    Checkpoint {
+        /// The file.
+        file: String,
+        /// Why not.
         why: String,
     },
     /// Asked to stop.
@@ -136,11 +159,15 @@ impl CouplerError {
         match self {
             CouplerError::Protocol(error) => error.exit_code(),
             CouplerError::Recording(error) => error.exit_code(),
-            CouplerError::Scene { .. } | CouplerError::Walls { .. } | CouplerError::Nothing => 2,
+            CouplerError::Scene { .. }
+            | CouplerError::Walls { .. }
+            | CouplerError::Checkpoint { .. }
+            | CouplerError::Nothing => 2,
             CouplerError::GrainOutside { .. }
             | CouplerError::Dimension { .. }
             | CouplerError::ContactState { .. }
             | CouplerError::Porosity { .. }
+            | CouplerError::Unbalanced { .. }
             | CouplerError::NotFinite { .. } => 7,
             CouplerError::NotConverged { .. } | CouplerError::StepTooSmall { .. } => 8,
             CouplerError::Interrupted { .. } => 130,

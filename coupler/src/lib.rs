@@ -9,10 +9,13 @@
 //! * [`immersion`]: grains in a fluid, with [`transfer`] and [`drag`]
 //! * [`seats`]: the engines, as the scheme sees them
 //! * [`simulation`], [`setup`] with [`walls`], [`run`], [`clock`]: from a scene to its end
+//! * [`checkpoint`], [`checkpoints`]: what is kept of a run, so that it can be resumed
 //! * [`budget`], [`report`], [`cost`], [`observe`], [`listener`], [`record`]: what is told of it
 
 pub mod alone;
 pub mod budget;
+pub mod checkpoint;
+pub mod checkpoints;
 pub mod clock;
 pub mod cost;
 pub mod coupled;

@@ -29,10 +29,11 @@ impl Listener {
         })
     }
 
-    /// Coupling begins: who takes part, on what, and from which state.
+    /// Coupling begins, or goes on: who takes part, on what, with which grains from the start.
     pub fn started<const D: usize, const N: usize>(
         &mut self,
         simulation: &mut Simulation<D, N>,
+        radius: &[f64],
     ) -> Result<(), CouplerError>
     where
         Dim<D>: Dimension<D>,
@@ -41,9 +42,26 @@ impl Listener {
             let hellos = simulation.hellos();
             let fluid = simulation.system.fluid();
             let mesh = fluid.map(|seat| &seat.description);
-            sender.started(D, &hellos, mesh, &simulation.state.grains.radius)?;
+            sender.started(D, &hellos, mesh, radius)?;
         }
-        self.snapshot(simulation)
+        Ok(())
+    }
+
+    /// The accepted state of this step is kept.
+    pub fn checkpoint(&mut self, step: u64, time: f64) -> Result<(), CouplerError> {
+        match self {
+            Listener::Orchestrator(sender) => Ok(sender.checkpoint(step, time)?),
+            Listener::Output => Ok(()),
+        }
+    }
+
+    /// It cannot be kept.
+    pub fn no_checkpoint(&mut self, why: &str) -> Result<(), CouplerError> {
+        tracing::warn!("no checkpoint: {why}");
+        match self {
+            Listener::Orchestrator(sender) => Ok(sender.no_checkpoint(why)?),
+            Listener::Output => Ok(()),
+        }
     }
 
     /// One accepted step.

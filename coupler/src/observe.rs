@@ -29,6 +29,7 @@ where
     row.add(columns::STEP, simulation.state.step as f64);
     row.add(columns::TIME, simulation.state.time);
     row.add("dt", report.dt);
+    row.add(columns::FAILED_TRIES, f64::from(report.failed));
     row.add(columns::PASSES, f64::from(report.passes));
     row.add(columns::SUB_STEPS, f64::from(report.sub_steps));
     for (name, seconds) in cost.columns() {

@@ -30,12 +30,14 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Make the file and write what the run is.
+    /// Make the file and write what the run is; one that is resumed keeps its first messages, and its
+    /// recording has ended where `kept` has none.
     pub fn begin(
         target: Option<&Target>,
         scene: &CouplerScene,
+        kept: Option<Option<u64>>,
     ) -> Result<Recording, RecordingError> {
-        let Some(target) = target else {
+        let Some(target) = target.filter(|_| kept != Some(None)) else {
             return Ok(Recording::default());
         };
         let program = concat!("sillage-coupler ", env!("CARGO_PKG_VERSION"));
@@ -45,10 +47,32 @@ impl Recording {
             compression: target.compression,
             ..Options::default()
         };
+        let recorder = match kept.flatten() {
+            Some(messages) => Recorder::resume(&target.path, options, &begin, messages)?,
+            None => Recorder::create(&target.path, options, &begin)?,
+        };
         Ok(Recording {
-            recorder: Some(Recorder::create(&target.path, options, &begin)?),
+            recorder: Some(recorder),
             told: false,
         })
+    }
+
+    /// Messages recorded so far; none where nothing is recorded any more.
+    pub fn passed(&self) -> Option<u64> {
+        let recorder = self.recorder.as_ref()?;
+        recorder.trouble().is_none().then(|| recorder.passed())
+    }
+
+    /// Leave out what passes, or record it again.
+    pub fn pause(&self, paused: bool) {
+        if let Some(recorder) = &self.recorder {
+            recorder.pause(paused);
+        }
+    }
+
+    /// Wait until all that has passed is on the disk; false where it is not.
+    pub fn settle(&self) -> bool {
+        self.recorder.as_ref().is_some_and(Recorder::settle)
     }
 
     /// The link to an engine, recorded when there is a recorder.

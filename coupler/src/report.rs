@@ -7,6 +7,8 @@ use crate::budget::Budget;
 pub struct StepReport {
     /// Its length \[s\].
     pub dt: f64,
+    /// Lengths that were tried and failed before it.
+    pub failed: u32,
     /// Fluid solves.
     pub passes: u32,
     /// Sub-steps of the grains.

@@ -23,6 +23,8 @@ pub struct Simulation<const D: usize, const N: usize> {
     pub system: System<D, N>,
     /// The accepted state.
     pub state: State<D>,
+    /// Are all in that state? Not while a step is being accepted.
+    settled: bool,
 }
 
 impl<const D: usize, const N: usize> Simulation<D, N>
@@ -42,12 +44,14 @@ where
             scene,
             system,
             state,
+            settled: true,
         })
     }
 
     /// Advance the accepted state by dt \[s\].
     pub fn advance(&mut self, dt: f64) -> Result<StepReport, CouplerError> {
         let report = self.system.advance(&mut self.state, dt)?;
+        self.settled = false;
         let step = self.state.step + 1;
         for partner in self.system.partners() {
             partner.commit(step)?;
@@ -55,7 +59,13 @@ where
         self.state.step = step;
         self.state.time += dt;
         self.let_leave(dt)?;
+        self.settled = true;
         Ok(report)
+    }
+
+    /// Are engines and coupler in the same accepted state, so that it can be kept?
+    pub fn is_settled(&self) -> bool {
+        self.settled
     }
 
     /// Take out the grains that the step of length `dt` has brought outside.
@@ -66,12 +76,18 @@ where
             return Ok(());
         };
         let gone = immersion.exits.left(&immersion.transfer, grains, dt);
+        removed.add(grains, &gone, &self.gravity);
+        self.take_out(&gone)
+    }
+
+    /// Take grains out, by their ascending numbers.
+    pub fn take_out(&mut self, gone: &[usize]) -> Result<(), CouplerError> {
         if gone.is_empty() {
             return Ok(());
         }
-        removed.add(grains, &gone, &self.gravity);
-        grains.remove(&gone);
-        self.system.remove(&gone, grains, self.state.step)
+        let State { grains, step, .. } = &mut self.state;
+        grains.remove(gone);
+        self.system.remove(gone, grains, *step)
     }
 
     /// May grains leave, so that their number changes?

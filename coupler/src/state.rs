@@ -3,12 +3,13 @@
 //! Struct of arrays: a value a grain, or a value a node.
 
 use protocol::engine::without;
+use serde::{Deserialize, Serialize};
 use space::Vector;
 
 use crate::error::CouplerError;
 
 /// How a grain touches others, from free to held.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Contact {
     /// No active contact.
     #[default]
@@ -26,7 +27,7 @@ pub fn count_contacts(contact: &[Contact]) -> (usize, usize) {
 }
 
 /// The accepted grains.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Grains<const D: usize> {
     /// xⁿ \[m\]
     pub position: Vec<Vector<D>>,
@@ -58,6 +59,24 @@ impl<const D: usize> Grains<D> {
     /// Number of grains.
     pub fn count(&self) -> usize {
         self.mass.len()
+    }
+
+    /// Has every grain each of its values?
+    pub fn is_consistent(&self) -> bool {
+        let count = self.count();
+        let lengths = [
+            self.position.len(),
+            self.velocity.len(),
+            self.mean_velocity.len(),
+            self.contact.len(),
+            self.contact_force.len(),
+            self.carried_force.len(),
+            self.volume.len(),
+            self.radius.len(),
+            self.fixed.len(),
+            self.id.len(),
+        ];
+        lengths == [count; 10] && self.spin.len().is_multiple_of(count.max(1))
     }
 
     /// Take these out, by ascending numbers; the others keep their order.
@@ -96,7 +115,7 @@ impl<const D: usize> Grains<D> {
 }
 
 /// What has left so far (`exits.rs`, X1).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Removed<const D: usize> {
     /// How many grains.
     pub grains: u64,
@@ -140,7 +159,7 @@ impl<const D: usize> Removed<D> {
 }
 
 /// Nodal fields of the fluid, as the grains feel them.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Flow<const D: usize> {
     /// w = u/φ \[m/s\]
     pub velocity: Vec<Vector<D>>,
@@ -185,7 +204,7 @@ pub struct Candidate<const D: usize> {
 }
 
 /// All that a step starts from.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct State<const D: usize> {
     /// Accepted steps.
     pub step: u64,

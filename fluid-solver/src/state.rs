@@ -7,6 +7,10 @@ use space::Vector;
 
 use crate::error::FluidError;
 
+/// How a file of a state begins: whose it is, and the version of its layout.
+const MAGIC: &[u8] = b"SILLFLD\0";
+const VERSION: u8 = 1;
+
 /// Superficial velocity with the porosity it belongs to: v = u_h/φ_h everywhere.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Flow<const D: usize> {
@@ -75,26 +79,33 @@ impl<const D: usize> State<D> {
         flow
     }
 
-    /// Write to a file, bit for bit.
+    /// Write to a file, bit for bit; it appears complete or not at all.
     pub fn save(&self, path: &Path) -> Result<(), FluidError> {
-        let fail = |why: String| FluidError::Checkpoint {
-            path: path.to_path_buf(),
-            why,
-        };
-        let bytes = bincode::serde::encode_to_vec(self, bincode::config::standard())
-            .map_err(|error| fail(error.to_string()))?;
-        std::fs::write(path, bytes).map_err(|error| fail(error.to_string()))
+        let mut bytes = [MAGIC, &[VERSION]].concat();
+        let state = bincode::serde::encode_to_vec(self, bincode::config::standard());
+        bytes.extend(state.map_err(|error| unusable(path, error.to_string()))?);
+        let mut draft = path.as_os_str().to_owned();
+        draft.push(".part");
+        std::fs::write(&draft, bytes)
+            .and_then(|()| std::fs::rename(&draft, path))
+            .map_err(|error| unusable(path, format!("cannot be written: {error}")))
     }
 
     /// Read from a file; it must belong to a mesh of `node_count` nodes.
     pub fn load(path: &Path, node_count: usize) -> Result<State<D>, FluidError> {
-        let fail = |why: String| FluidError::Checkpoint {
-            path: path.to_path_buf(),
-            why,
-        };
-        let bytes = std::fs::read(path).map_err(|error| fail(error.to_string()))?;
+        let fail = |why: String| unusable(path, why);
+        let bytes = std::fs::read(path).map_err(|e| fail(format!("cannot be read: {e}")))?;
+        let bytes = bytes.strip_prefix(MAGIC);
+        let (&version, bytes) = bytes
+            .and_then(<[u8]>::split_first)
+            .ok_or_else(|| fail("not a state of this engine".to_owned()))?;
+        if version != VERSION {
+            return Err(fail(format!(
+                "its format is version {version}, this engine reads {VERSION}: take the sillage that wrote it"
+            )));
+        }
         let (state, used): (State<D>, usize) =
-            bincode::serde::decode_from_slice(&bytes, bincode::config::standard())
+            bincode::serde::decode_from_slice(bytes, bincode::config::standard())
                 .map_err(|error| fail(error.to_string()))?;
         if used != bytes.len() {
             return Err(fail(format!("{} bytes too many", bytes.len() - used)));
@@ -108,5 +119,12 @@ impl<const D: usize> State<D> {
             return Err(fail(format!("{held} nodes; this mesh has {node_count}")));
         }
         Ok(state)
+    }
+}
+
+fn unusable(path: &Path, why: String) -> FluidError {
+    FluidError::Checkpoint {
+        path: path.to_path_buf(),
+        why,
     }
 }

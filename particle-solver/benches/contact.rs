@@ -107,8 +107,10 @@ fn unit_costs(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("unit costs, 10000 grains");
     group.throughput(Throughput::Elements(grains.count() as u64));
     for search_always in [true, false] {
-        let mut neighbours = Neighbours::default();
-        neighbours.search_always = search_always;
+        let mut neighbours = Neighbours {
+            search_always,
+            ..Neighbours::default()
+        };
         let name = if search_always { "search" } else { "kept list" };
         group.bench_function(format!("detection, {name}"), |bencher| {
             bencher.iter(|| find(&mut neighbours));

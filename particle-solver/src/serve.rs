@@ -12,7 +12,6 @@ use protocol::scene::{ParticleScene, Wall, fixed};
 
 use space::{Vector, flat};
 
-use crate::checkpoint;
 use crate::error::Error;
 use crate::grains::{Grains, State, without};
 use crate::setup::Setup;
@@ -123,14 +122,14 @@ impl ParticleEngine for Engine {
     }
 
     fn save(&mut self, path: &Path) -> Result<(), Failure> {
-        let solver = self.solver()?;
-        checkpoint::save(path, solver.grains(), solver.accepted()).map_err(failure)
+        self.solver()?.save(path).map_err(failure)
     }
 
     fn restore(&mut self, path: &Path) -> Result<(), Failure> {
         let solver = self.solver()?;
-        let state = checkpoint::restore(path, solver.grains()).map_err(failure)?;
-        solver.set_accepted(state).map_err(failure)
+        solver.restore(path).map_err(failure)?;
+        self.counted = solver.searches();
+        Ok(())
     }
 
     fn remove(&mut self, grains: &[usize]) -> Result<InitialGrains, Failure> {

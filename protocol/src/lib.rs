@@ -21,7 +21,7 @@ pub use coupler::partner;
 pub use language::error::Error;
 pub use language::header::PROTOCOL_VERSION;
 pub use language::{codec, engine, error, field, header, message, report, scene};
-pub use run::{awake, limits, process, runspace};
+pub use run::{awake, checkpoints, limits, process, runspace};
 pub use transport::{channel, ipc, local};
 
 /// The engine in the guide compiles.

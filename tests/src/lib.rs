@@ -119,6 +119,7 @@ pub fn scene(
         dimension: 2,
         end_time: coupling_step * steps as f64,
         coupling_step,
+        step_min: None,
         adaptive: None,
         gravity: gravity.unwrap_or(vec![0.0, 0.0]),
         fluid,

@@ -27,7 +27,9 @@ where
             sub_steps: pass.grains.sub_steps,
             interaction_defect: pass.defect.relative,
             budget: budget::of_coupled_step(immersion, grains, &outcome, solid_power, dt),
+            ..StepReport::default()
         };
+        report.budget.check(step)?;
         state.grains.contact_force = self.contact_force(state, &outcome, dt);
         state.grains.carried_force = outcome.carried_force;
         state.grains.accept(outcome.pass.grains);

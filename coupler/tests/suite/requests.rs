@@ -152,6 +152,7 @@ fn scene(scheme: Scheme) -> CouplerScene {
         dimension: 2,
         end_time: 1.0,
         coupling_step: 0.1,
+        step_min: None,
         adaptive: None,
         gravity,
         fluid: Some(fluid),

@@ -47,7 +47,10 @@ pub fn one(
     if place.join("point.json").is_file() {
         std::fs::remove_dir_all(place).map_err(Error::file("cannot remove", place))?;
     }
-    let outcome = runner.run(scene, place)?;
+    // A run of many is begun again where it was not finished.
+    let mut scene = scene.clone();
+    scene.checkpoint.keep = 0;
+    let outcome = runner.run(&scene, place)?;
     if outcome.ending.code == exit_code::INTERRUPTED {
         return Ok(None);
     }

@@ -1,6 +1,8 @@
 //! Files that others may be reading.
 
+use std::fs::File;
 use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use scene::Error;
 
@@ -13,4 +15,17 @@ pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Error> {
         let _ = std::fs::remove_file(&draft);
         Error::file("cannot write", path)(error)
     })
+}
+
+/// Wait until a file or a folder is on the disk.
+pub fn sync(path: &Path) -> Result<(), Error> {
+    let synced = File::open(path).and_then(|file| file.sync_all());
+    synced.map_err(Error::file("cannot bring to the disk", path))
+}
+
+/// Now, as files say it.
+pub fn seconds_since_1970() -> u64 {
+    SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |elapsed| elapsed.as_secs())
 }

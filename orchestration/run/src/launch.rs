@@ -1,6 +1,6 @@
 //! Child processes: found, started with the run's environment, their words kept in `logs/`.
 
-use std::fs::File;
+use std::fs::OpenOptions;
 use std::io::ErrorKind;
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
@@ -14,6 +14,7 @@ use protocol::runspace::RunSpace;
 use scene::error::{Error, exit_code};
 use scene::{Scene, plan, record};
 
+use crate::begin::{self, From};
 use crate::version;
 
 /// A child of this run.
@@ -35,11 +36,17 @@ pub struct Process {
     child: Child,
 }
 
-/// Start every process of a scene; on failure those that were started are ended again.
-pub fn launch(scene: &Scene, folder: &Path, runspace: &RunSpace) -> Result<Vec<Process>, Error> {
+/// Start every process of a scene, from its start or from a checkpoint; on failure those that were started are
+/// ended again.
+pub fn launch(
+    scene: &Scene,
+    folder: &Path,
+    from: From<'_>,
+    runspace: &RunSpace,
+) -> Result<Vec<Process>, Error> {
     let mut started = Vec::new();
     for planned in plan::processes(scene) {
-        match start(&planned, scene, folder, runspace) {
+        match start(&planned, scene, (folder, from), runspace) {
             Ok(process) => started.push(process),
             Err(error) => {
                 // The others would wait for a seat that nobody takes.
@@ -55,14 +62,21 @@ pub fn launch(scene: &Scene, folder: &Path, runspace: &RunSpace) -> Result<Vec<P
 fn start(
     planned: &plan::Process,
     scene: &Scene,
-    folder: &Path,
+    (folder, from): (&Path, From<'_>),
     runspace: &RunSpace,
 ) -> Result<Process, Error> {
     let mut command = command(planned, scene, folder)?;
+    if planned.seat == "coupler" {
+        command.args(begin::arguments(scene, folder, from));
+    }
     if !scene.leave_out {
         command.env(LEAVE_OUT, "0");
     }
     let log = folder.join(format!("logs/{}.log", planned.seat));
+    if matches!(from, From::Start) {
+        // What was said before a run was resumed stays.
+        std::fs::write(&log, "").map_err(Error::file("cannot write", &log))?;
+    }
     spawn(
         &planned.seat,
         &planned.command.join(" "),
@@ -82,7 +96,8 @@ pub fn spawn(
     runspace: &RunSpace,
 ) -> Result<Process, Error> {
     let seat = seat.to_string();
-    let file = File::create(&log).map_err(Error::file("cannot write", &log))?;
+    let file = OpenOptions::new().create(true).append(true).open(&log);
+    let file = file.map_err(Error::file("cannot write", &log))?;
     let errors = file
         .try_clone()
         .map_err(Error::file("cannot write", &log))?;

@@ -3,6 +3,7 @@
 //! | file | what |
 //! | --- | --- |
 //! | `run` | a scene into a run folder |
+//! | `begin`, `failed_step` | from its start or a checkpoint; the step that ended it, recorded |
 //! | `launch`, `watch`, `stopped`, `verdict` | child processes: start, wait, end, and why they ended |
 //! | `interrupt`, `progress` | Ctrl-C, and how far a run is |
 //! | `folder` | `run.json`, `steps.csv`, the recording, how states get there |
@@ -12,7 +13,9 @@
 //! | `batch` | many scenes, each in a folder of its own, not run again when there |
 
 pub mod batch;
+mod begin;
 pub mod disk;
+mod failed_step;
 pub mod file;
 pub mod folder;
 pub mod interrupt;
@@ -27,4 +30,5 @@ pub mod version;
 pub mod vtu;
 pub mod watch;
 
-pub use run::{Outcome, Runner, Voice, fresh_folder};
+pub use folder::fresh::fresh_folder;
+pub use run::{Outcome, Runner, Voice, unfinished};

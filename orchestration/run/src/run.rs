@@ -2,19 +2,22 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 use protocol::monitor::MonitorReceiver;
 use protocol::runspace::RunSpace;
-use scene::Scene;
 use scene::error::{Error, exit_code};
+use scene::{Scene, plan};
 use serde_json::{Value, json};
-use time::OffsetDateTime;
 
+use crate::begin::From;
 use crate::disk::{Disk, PATIENCE, Teller, Trouble};
+use crate::failed_step;
+use crate::file;
+use crate::folder::checkpoint::{self, Checkpoint};
 use crate::folder::claim;
 use crate::folder::document::{self, Ending};
-use crate::folder::draw::Pictures;
+use crate::folder::draw::{Draw, Pictures};
 use crate::folder::lock::Lock;
 use crate::folder::previous::{NOT_STARTED, Previous};
 use crate::folder::reserve::Reserve;
@@ -23,9 +26,10 @@ use crate::folder::writer::Writer;
 use crate::interrupt::Interrupts;
 use crate::launch::{self, Process};
 use crate::limits::require_open_files;
-use crate::progress::Progress;
+use crate::progress::{self, Progress};
 use crate::tell;
 use crate::verdict::Verdict;
+use crate::version;
 use crate::watch::Watch;
 
 /// What `run.json` may grow by until the end: engines, costs, extremes, totals, and why it ended \[bytes\].
@@ -39,6 +43,8 @@ pub struct Outcome {
     pub document: Value,
     /// How it ended.
     pub ending: Ending,
+    /// How to go on with a run that has not reached its end, where that is possible.
+    pub way_on: Option<String>,
 }
 
 /// What each process used.
@@ -84,7 +90,6 @@ impl Runner {
 
     /// Run a scene into this folder. Several may run at the same time, each in its own.
     pub fn run(&self, scene: &Scene, path: &Path) -> Result<Outcome, Error> {
-        let begun = Instant::now();
         claim::RUN.check(path)?;
         claim::is_not_of_scene(path, &scene.folder)?;
         require_open_files()?;
@@ -93,11 +98,60 @@ impl Runner {
         let _lock = Lock::take(path).map_err(unusable)?;
         let (folder, reserve) = prepare(path, scene).map_err(unusable)?;
         self.say(&format!("{} → {}", scene.name, path.display()));
+        let pictures = (self.pictures)(scene, path);
+        self.go(scene, folder, reserve, pictures, None)
+    }
 
+    /// Go on with the run in this folder, whose scene this is, from its newest checkpoint or that of the step
+    /// `from`; without any from its start. None: it has reached its end.
+    pub fn resume(
+        &self,
+        scene: &Scene,
+        path: &Path,
+        from: Option<u64>,
+    ) -> Result<Option<Outcome>, Error> {
+        require_open_files()?;
+        let lock = Lock::take(path)?;
+        let found = checkpoint::newest(path, from, |words| self.say(&format!("warning: {words}")))?;
+        let Some(checkpoint) = found else {
+            drop(lock);
+            self.say("there is no checkpoint: the run begins again");
+            return self.run(scene, path).map(Some);
+        };
+        let Checkpoint { step, time, .. } = checkpoint;
+        if time >= scene.coupler.end_time * (1.0 - 1e-12) {
+            return Ok(None);
+        }
+        let mut pictures = (self.pictures)(scene, path);
+        let folder = RunFolder::resume(path, scene, &checkpoint)?;
+        pictures.resume(&checkpoint.outputs.pictures)?;
+        file::write(&path.join("scene.json"), plan::scene_json(scene)?)?;
+        let reserve = begin_document(path, scene, &folder)?;
+        let at = progress::digits(time);
+        self.say(&format!(
+            "{} → {}, from step {step}, t = {at} s",
+            scene.name,
+            path.display()
+        ));
+        let outcome = self.go(scene, folder, reserve, pictures, Some(&checkpoint));
+        drop(lock);
+        outcome.map(Some)
+    }
+
+    /// Start the processes, follow them, and write what they say, to the end.
+    fn go(
+        &self,
+        scene: &Scene,
+        folder: RunFolder,
+        reserve: Reserve,
+        pictures: Box<dyn Draw>,
+        resumed: Option<&Checkpoint>,
+    ) -> Result<Outcome, Error> {
+        let path = &folder.path().to_path_buf();
         let disk = Disk::new(self.patience);
-        let writer = Writer::start(folder, (self.pictures)(scene, path), disk.clone());
+        let writer = Writer::start(folder, pictures, disk.clone());
         let mut used = Used::default();
-        let mut verdict = self.follow(scene, path, &writer, &mut used);
+        let mut verdict = self.follow(scene, (path, resumed), &writer, &mut used);
         let ended = Instant::now();
         let (mut folder, written) = self.finish(writer)?;
         used.phases.insert("end", ended.elapsed().as_secs_f64());
@@ -109,10 +163,13 @@ impl Runner {
             code: error.exit_code(),
             why: Some(error.to_string()),
         });
+        if matches!(code, exit_code::NOT_FINITE | exit_code::NOT_CONVERGED) {
+            self.record_failed_step(scene, &folder);
+        }
         let ending = Ending {
             code,
             why,
-            wall: begun.elapsed().as_secs_f64(),
+            wall: folder.wall(),
             cpu: used.cpu,
             memory_peak: used.memory_peak,
             phases: used.phases,
@@ -127,6 +184,7 @@ impl Runner {
         self.keep_previous(&mut folder)?;
         Ok(Outcome {
             folder: path.to_path_buf(),
+            way_on: way_on(&folder, &ending),
             document,
             ending,
         })
@@ -168,18 +226,46 @@ impl Runner {
         })
     }
 
+    /// Record the step that ended the run, where the state before it is kept.
+    fn record_failed_step(&self, scene: &Scene, folder: &RunFolder) {
+        let (place, steps) = (folder.path(), folder.summary().steps);
+        let Some(step) = folder.kept().0.filter(|step| *step == steps) else {
+            return;
+        };
+        let name = failed_step::FILE;
+        self.say(&format!("the step that failed is recorded in {name}"));
+        let checkpoint = checkpoint::folder(place, step);
+        let places = (place, checkpoint.as_path());
+        let most = Duration::from_secs_f64(60.0 + folder.wall());
+        match failed_step::record(scene, places, most, &self.interrupts) {
+            Ok(true) => {}
+            Ok(false) => self.say("it was not: it took too long, or was interrupted"),
+            Err(error) => self.say(&format!("it was not: {error}")),
+        }
+    }
+
     /// Start the processes, follow them, leave nothing behind.
     fn follow(
         &self,
         scene: &Scene,
-        path: &Path,
+        (path, resumed): (&Path, Option<&Checkpoint>),
         writer: &Writer,
         used: &mut Used,
     ) -> Result<Verdict, Error> {
         let runspace = RunSpace::create().map_err(transport)?;
         let monitor = MonitorReceiver::create(&runspace).map_err(transport)?;
-        let processes = launch::launch(scene, path, &runspace)?;
+        let from = resumed.map_or(From::Start, |checkpoint| {
+            From::Checkpoint(&checkpoint.folder)
+        });
+        let processes = launch::launch(scene, path, from, &runspace)?;
         let launched = Instant::now();
+        let mut progress = match self.voice {
+            Voice::Aloud => Progress::new(scene.coupler.end_time),
+            Voice::Quiet => Progress::silent(scene.coupler.end_time),
+        };
+        if let Some(Checkpoint { step, time, .. }) = resumed {
+            (progress.step, progress.time) = (*step, *time);
+        }
         let mut watch = Watch {
             runspace: &runspace,
             monitor,
@@ -187,10 +273,7 @@ impl Runner {
             writer,
             interrupts: self.interrupts.clone(),
             asked: scene.output.fields.as_deref().unwrap_or_default(),
-            progress: match self.voice {
-                Voice::Aloud => Progress::new(scene.coupler.end_time),
-                Voice::Quiet => Progress::silent(scene.coupler.end_time),
-            },
+            progress,
             began: None,
         };
         let verdict = watch.follow();
@@ -245,31 +328,11 @@ fn show_last_words(processes: &[Process]) {
     }
 }
 
-/// `runs/<scene>-<time>`, with a number when there is one already.
-pub fn fresh_folder(name: &str) -> Result<PathBuf, Error> {
-    let runs = Path::new("runs");
-    let unusable = |error: std::io::Error| {
-        Error::Usage(format!(
-            "cannot write in this folder ({}: {error}): name one with --out",
-            runs.display()
-        ))
-    };
-    std::fs::create_dir_all(runs).map_err(unusable)?;
-    let stamp = timestamp(SystemTime::now());
-    for attempt in 1.. {
-        let suffix = if attempt == 1 {
-            String::new()
-        } else {
-            format!("-{attempt}")
-        };
-        let path = runs.join(format!("{name}-{stamp}{suffix}"));
-        match std::fs::create_dir(&path) {
-            Ok(()) => return Ok(path),
-            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
-            Err(error) => return Err(unusable(error)),
-        }
-    }
-    unreachable!("the loop ends with a folder or an error")
+/// The step from which the run in this folder can be resumed, where it has not reached its end.
+pub fn unfinished(path: &Path) -> Option<u64> {
+    let document = document::read(path).ok()?;
+    let reached = document["exit"]["code"].as_i64() == Some(exit_code::OK.into());
+    checkpoint::steps(path).pop().filter(|_| !reached)
 }
 
 /// Set an earlier run aside and write what is known before the run, and keep room for what will be known
@@ -277,12 +340,10 @@ pub fn fresh_folder(name: &str) -> Result<PathBuf, Error> {
 fn prepare(path: &Path, scene: &Scene) -> Result<(RunFolder, Reserve), Error> {
     let previous = Previous::set_aside(path)?;
     // First of all, so that a folder that is left half made is known as one of ours.
-    let mark = json!({ "versions": document::versions() });
+    let mark = json!({ "versions": version::all() });
     let written = document::write(path, &mark).and_then(|()| {
         let folder = RunFolder::create(path, scene)?;
-        let document = document::document(scene, &folder, None);
-        document::write(path, &document)?;
-        let reserve = Reserve::take(path, document::text(&document).len() + LAST_WORD)?;
+        let reserve = begin_document(path, scene, &folder)?;
         Ok((folder, reserve))
     });
     match (written, previous) {
@@ -295,6 +356,29 @@ fn prepare(path: &Path, scene: &Scene) -> Result<(RunFolder, Reserve), Error> {
             Err(error)
         }
     }
+}
+
+/// `run.json` of a run that begins, and room for that of its end.
+fn begin_document(path: &Path, scene: &Scene, folder: &RunFolder) -> Result<Reserve, Error> {
+    let document = document::document(scene, folder, None);
+    document::write(path, &document)?;
+    Reserve::take(path, document::text(&document).len() + LAST_WORD)
+}
+
+/// How to go on with a run that ended early.
+fn way_on(folder: &RunFolder, ending: &Ending) -> Option<String> {
+    let (kept, _) = folder.kept();
+    let step = kept.filter(|_| ending.code != exit_code::OK)?;
+    let place = folder.path().display();
+    let lost = folder.summary().steps.saturating_sub(step);
+    let again = match lost {
+        0 => String::new(),
+        1 => "; 1 step after it is computed again".to_owned(),
+        lost => format!("; {lost} steps after it are computed again"),
+    };
+    Some(format!(
+        "to go on from step {step}: sillage resume {place}{again}"
+    ))
 }
 
 /// The last `run.json`; room for it was kept.
@@ -319,29 +403,5 @@ fn incomplete(verdict: &mut Verdict, error: &Error, folder: &RunFolder) {
             }
         }
         _ => tell!("sillage: {why}"),
-    }
-}
-
-/// 20261122-114500, UTC.
-fn timestamp(now: SystemTime) -> String {
-    let now = OffsetDateTime::from(now);
-    let (year, month, day) = now.to_calendar_date();
-    let (hour, minute, second) = now.to_hms();
-    let month = u8::from(month);
-    format!("{year:04}{month:02}{day:02}-{hour:02}{minute:02}{second:02}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn timestamps_follow_the_calendar() {
-        let at =
-            |seconds| timestamp(SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(seconds));
-        assert_eq!(at(0), "19700101-000000");
-        assert_eq!(at(951_782_400), "20000229-000000");
-        assert_eq!(at(1_795_348_800), "20261122-120000");
-        assert_eq!(at(4_107_542_399), "21000228-235959");
     }
 }

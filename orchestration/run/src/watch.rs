@@ -116,7 +116,10 @@ impl Watch<'_> {
                     ToOrchestrator::RecordingEnded(why) => self.progress.say(&format!(
                         "warning: the recording is not complete, the run goes on: {why}"
                     )),
-                    ToOrchestrator::Snapshot { .. } => {}
+                    ToOrchestrator::NoCheckpoint(why) => {
+                        self.progress.say(&format!("no checkpoint: {why}"));
+                    }
+                    ToOrchestrator::Snapshot { .. } | ToOrchestrator::Checkpoint { .. } => {}
                 }
                 self.writer.take(event);
             }
@@ -229,7 +232,9 @@ impl Watch<'_> {
                 why: Some(why.clone()),
             };
         }
-        if state.asked_to_stop {
+        // A run that came to its end all the same was not interrupted.
+        let finished = !state.killed && state.last_word == Some(LastWord::Finished);
+        if state.asked_to_stop && !finished {
             let how = if state.killed { "killed" } else { "stopped" };
             let time = progress::digits(time);
             let why = format!("interrupted: {how} after step {steps}, t = {time} s");

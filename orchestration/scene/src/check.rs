@@ -103,6 +103,14 @@ impl<'a> Checker<'a> {
     pub fn scene(&mut self, scene: &SceneFile) {
         self.positive("run.end_time", scene.run.end_time, " s");
         self.positive("run.coupling_step", scene.run.coupling_step, " s");
+        if let Some(step_min) = scene.run.step_min {
+            let step = scene.run.coupling_step;
+            self.positive("run.step_min", step_min, " s");
+            if step_min > step && step > 0.0 {
+                let why = format!("must not exceed run.coupling_step = {step:e} s");
+                self.refuse("run.step_min", why);
+            }
+        }
         if scene.run.coupling_step > scene.run.end_time && scene.run.end_time > 0.0 {
             let end = scene.run.end_time;
             self.refuse(
@@ -133,6 +141,7 @@ impl<'a> Checker<'a> {
         }
         self.output(scene);
         self.record(scene);
+        self.positive("checkpoint.every_wall", scene.checkpoint.every_wall, " s");
         self.limits(&scene.limits);
         self.engines(scene);
     }

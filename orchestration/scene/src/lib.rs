@@ -5,13 +5,14 @@
 //! of what is relative or left out (`boundaries`, `walls`, `outline`, `grains`, `resolve`). Problems carry file,
 //! line, key and what is allowed; all range problems of a scene are reported at once. `plan` tells
 //! which processes, terms and fields the scene needs; `memory` bounds what is asked for,
-//! `times` that steps and states go together.
+//! `times` that steps and states go together. `kept` is a scene as a run folder has it, for a run that is resumed.
 
 pub mod boundaries;
 pub mod check;
 pub mod document;
 pub mod error;
 pub mod grains;
+pub mod kept;
 pub mod keys;
 mod load;
 mod mean_flow;

@@ -14,7 +14,7 @@ pub fn check_file(file: &str) -> Result<(), String> {
     Err("must name a file that ends in .mcap, e.g. \"exchange.mcap\"".to_string())
 }
 
-/// What the coupler is told.
+/// What the coupler is told of its recording.
 pub fn arguments(record: &Record, folder: &Path) -> Vec<String> {
     let path = folder.join(&record.file);
     let mut arguments = vec!["--record".to_string(), path.to_string_lossy().into_owned()];

@@ -97,6 +97,7 @@ pub fn resolve(
         engines: keys.engines,
         output: keys.output,
         record: keys.record,
+        checkpoint: keys.checkpoint,
     }
 }
 
@@ -244,6 +245,7 @@ fn coupler_part(
         dimension: DIMENSION,
         end_time: keys.run.end_time,
         coupling_step: keys.run.coupling_step,
+        step_min: keys.run.step_min,
         adaptive: coupling.adaptive,
         gravity: keys.gravity.acceleration.to_vec(),
         grains_stay: false,

@@ -6,7 +6,7 @@ use protocol::scene::CouplerScene;
 
 use crate::error::Error;
 use crate::grains::GrainTable;
-use crate::keys::{Engines, Output, Record};
+use crate::keys::{Checkpoint, Engines, Output, Record};
 use crate::record::check_file;
 
 /// A scene that can be run.
@@ -28,6 +28,8 @@ pub struct Scene {
     pub output: Output,
     /// The recording, when one is asked for.
     pub record: Option<Record>,
+    /// What is kept of the run.
+    pub checkpoint: Checkpoint,
     /// May engines leave out what their bounds allow?
     pub leave_out: bool,
     /// What was asked for and will not happen, or may surprise.

@@ -40,6 +40,7 @@ impl Checker<'_> {
         let adaptive = scene.coupling.as_ref().and_then(|c| c.adaptive);
         let steps = [
             ("run.coupling_step", Some(scene.run.coupling_step)),
+            ("run.step_min", scene.run.step_min),
             ("coupling.adaptive.step_min", adaptive.map(|a| a.step_min)),
         ];
         for (key, step) in steps {

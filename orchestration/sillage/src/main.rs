@@ -17,6 +17,7 @@ fn main() {
         Command::Check(args) => (args.json, scenes::check(&args)),
         Command::Plan(args) => (args.json, scenes::plan(&args)),
         Command::Run(args) => (args.json, scenes::run(&args)),
+        Command::Resume(args) => (args.json, scenes::resume(&args)),
         Command::Replay(args) => (args.json, recordings::replay(&args)),
         Command::Diff(args) => (args.json, recordings::diff(&args)),
         Command::Study(args) => (args.json, sweeps::study(&args)),

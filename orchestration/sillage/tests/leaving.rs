@@ -7,7 +7,7 @@ use run::vtu::read::State;
 use crate::background::{need_programs, sillage};
 
 /// Eighteen grains of two sizes above an open bottom.
-const SCENE: &str = r#"
+pub const SCENE: &str = r#"
 run = { end_time = 0.12, coupling_step = 2e-3 }
 gravity.acceleration = [0.0, -9.81]
 contact = { friction = 0.3, tolerance = 1e-3 }
@@ -33,7 +33,7 @@ fn run(folder: &Path, more: &[&str]) -> (Option<i32>, String) {
     let scene = folder.join("hopper.toml");
     std::fs::write(&scene, SCENE).expect("written");
     let out = folder.join("out");
-    let mut arguments = vec!["run", text(&scene), "--out", text(&out)];
+    let mut arguments = vec!["run", text(&scene), "--out", text(&out), "--replace"];
     arguments.extend(more.iter().flat_map(|setting| ["--set", setting]));
     let (code, _, words) = sillage(&arguments);
     println!("{more:?}: {code:?} {words}");

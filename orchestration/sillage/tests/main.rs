@@ -16,6 +16,7 @@ mod namespaces;
 mod processes;
 mod recordings;
 mod reports;
+mod resume;
 mod schema;
 mod stability;
 mod states;

@@ -12,7 +12,7 @@ use validator::{complaint, plain};
 
 /// Keys that the program alone refuses, as they go with others or with what is there: sides, files, programs,
 /// room. Whole numbers are among them: 80.0 is one to JSON, and none to the program.
-const BEYOND: [&str; 32] = [
+const BEYOND: [&str; 33] = [
     "contact.sub_steps_max",
     "contact.sweeps_max",
     "coupling.adaptive.step_max",
@@ -43,6 +43,7 @@ const BEYOND: [&str; 32] = [
     "particles.domain",
     "particles.domain.upper",
     "run.coupling_step",
+    "run.step_min",
     "walls.to",
     "walls.velocity",
 ];

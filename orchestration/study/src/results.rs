@@ -291,7 +291,7 @@ pub fn document(name: &str, study: &StudyFile, rows: &[Row], complete: bool) -> 
         "repeats": study.repeats,
         "points": rows,
         "machine": run::folder::machine::machine(),
-        "versions": run::folder::document::versions(),
+        "versions": run::version::all(),
     })
 }
 

@@ -14,6 +14,8 @@
 //! bits as a new search. A grain whose distance from all walls has not been used up by its own
 //! displacement looks at no wall.
 
+use std::sync::Arc;
+
 use space::grid::{Grid, SPARE, TooFar, pair_images};
 use space::periodic::{Image, shortest_image};
 use space::{Dim, Dimension, Vector, norm};
@@ -33,7 +35,7 @@ const DISTANCES_MAX: usize = 2000;
 /// As many times that in space.
 const DISTANCES_OF_SPACE: usize = 14;
 
-/// The pairs of the last search.
+/// Who is near whom, and how often that was looked for.
 #[derive(Debug, Clone, Default)]
 pub struct Neighbours<const D: usize> {
     /// Search anew each time, keep nothing.
@@ -42,14 +44,49 @@ pub struct Neighbours<const D: usize> {
     pub searches: u64,
     /// Grains for which walls were looked at so far.
     pub wall_looks: u64,
+    /// What the last search found.
+    pub found: Arc<Found<D>>,
+}
+
+/// What a search found.
+#[derive(Debug, Clone, Default)]
+pub struct Found<const D: usize> {
     /// X \[m\]; empty: nothing is known.
-    reference: Vec<Vector<D>>,
+    pub reference: Vec<Vector<D>>,
     /// s \[m\]
-    spare: Vec<f64>,
+    pub spare: Vec<f64>,
     /// Pairs (i < j).
     pairs: Vec<(u32, u32)>,
     /// From X to the nearest wall \[m\].
     wall_distance: Vec<f64>,
+}
+
+impl<const D: usize> Found<D>
+where
+    Dim<D>: Dimension<D>,
+{
+    /// Search for every pair whose surfaces are within s of each other, where the grains of `place` are; an
+    /// error where that takes too long.
+    pub fn search(place: &Place<'_, D>, spare: Vec<f64>) -> Result<Found<D>, Error> {
+        let radius = &place.grains.radius;
+        let wider: Vec<f64> = spare.iter().zip(radius).map(|(s, r)| s + r).collect();
+        let mut pairs = Vec::new();
+        let grid = Grid::build(place.position, &wider, &place.period);
+        limited(&grid, radius.len(), |i, j, _, _| {
+            let pair = (i as u32, j as u32);
+            // Images of a pair follow each other.
+            if pairs.last() != Some(&pair) {
+                pairs.push(pair);
+            }
+        })?;
+        let distances = place.position.iter().map(|x| place.walls.distance(x));
+        Ok(Found {
+            reference: place.position.to_vec(),
+            spare,
+            pairs,
+            wall_distance: distances.collect(),
+        })
+    }
 }
 
 impl<const D: usize> Neighbours<D>
@@ -58,7 +95,7 @@ where
 {
     /// Forget the last search: the grains have been put elsewhere.
     pub fn forget(&mut self) {
-        self.reference.clear();
+        self.found = Arc::default();
     }
 
     /// Visit every pair (i < j, xᵢ − xⱼ, image) whose reaches overlap, each image of it once; an error
@@ -78,7 +115,7 @@ where
         let mut periods = place.period.iter().flatten();
         // Can another image than the nearest be within reach?
         let images = periods.any(|&length| length < 6.0 * largest);
-        for &(i, j) in &self.pairs {
+        for &(i, j) in &self.found.pairs {
             let (i, j) = (i as usize, j as usize);
             let apart = place.position[i] - place.position[j];
             let both = reach[i] + reach[j];
@@ -116,7 +153,7 @@ where
         if !periods(6.0) {
             return Ok(false);
         }
-        let mut pairs = self.pairs.iter();
+        let mut pairs = self.found.pairs.iter();
         Ok(pairs.all(|&(i, j)| {
             let (i, j) = (i as usize, j as usize);
             let least = match close {
@@ -137,8 +174,8 @@ where
         visit: impl FnMut(WallContact<'_, D>),
     ) {
         let (centre, radius) = (&place.position[grain], place.grains.radius[grain]);
-        if let (false, Some(from)) = (self.search_always, self.reference.get(grain)) {
-            let distance = SAFE * self.wall_distance[grain] - norm(&(centre - from));
+        if let (false, Some(from)) = (self.search_always, self.found.reference.get(grain)) {
+            let distance = SAFE * self.found.wall_distance[grain] - norm(&(centre - from));
             if distance > place.walls.reach_of_faces(radius + reach) {
                 return;
             }
@@ -164,42 +201,27 @@ where
 
     /// Search for every pair within reach and some more.
     fn renew(&mut self, place: &Place<'_, D>, reach: &[f64]) -> Result<(), Error> {
-        let radius = &place.grains.radius;
-        self.spare.clear();
-        let pairs = reach.iter().zip(radius);
-        self.spare
-            .extend(pairs.map(|(reach, radius)| reach - radius + SPARE * radius));
-        let wider: Vec<f64> = self.spare.iter().zip(radius).map(|(s, r)| s + r).collect();
-        let found = &mut self.pairs;
-        found.clear();
+        let pairs = reach.iter().zip(&place.grains.radius);
+        let spare = pairs.map(|(reach, radius)| reach - radius + SPARE * radius);
         self.searches += 1;
-        let grid = Grid::build(place.position, &wider, &place.period);
-        limited(&grid, radius.len(), |i, j, _, _| {
-            let pair = (i as u32, j as u32);
-            // Images of a pair follow each other.
-            if found.last() != Some(&pair) {
-                found.push(pair);
-            }
-        })?;
-        self.reference.extend_from_slice(place.position);
-        self.wall_distance.clear();
-        let distances = place.position.iter().map(|x| place.walls.distance(x));
-        self.wall_distance.extend(distances);
+        // An error leaves nothing known.
+        self.found = Arc::default();
+        self.found = Arc::new(Found::search(place, spare.collect())?);
         Ok(())
     }
 
     /// (V1)
     fn still_holds(&self, place: &Place<'_, D>, reach: &[f64]) -> bool {
         let count = place.position.len();
-        if self.reference.len() != count || count == 0 {
+        if self.found.reference.len() != count || count == 0 {
             return false;
         }
-        let moved = |grain: usize| place.position[grain] - self.reference[grain];
+        let moved = |grain: usize| place.position[grain] - self.found.reference[grain];
         let sum = (0..count).fold(Vector::zeros(), |sum, grain| sum + moved(grain));
         let mean = sum * (1.0 / count as f64);
         (0..count).all(|grain| {
             let need = reach[grain] - place.grains.radius[grain];
-            norm(&(moved(grain) - mean)) + need <= SAFE * self.spare[grain]
+            norm(&(moved(grain) - mean)) + need <= SAFE * self.found.spare[grain]
         })
     }
 }
@@ -232,13 +254,13 @@ mod tests {
         (*seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
     }
 
-    type Found<const D: usize> = Vec<(usize, usize, Image, [u64; D])>;
+    type Listed<const D: usize> = Vec<(usize, usize, Image, [u64; D])>;
 
     fn pairs<const D: usize>(
         neighbours: &mut Neighbours<D>,
         place: &Place<'_, D>,
         reach: &[f64],
-    ) -> Found<D>
+    ) -> Listed<D>
     where
         Dim<D>: Dimension<D>,
     {

@@ -1,12 +1,16 @@
 //! The engine: an accepted state, and a candidate that replaces it when it is committed.
 
+use std::path::Path;
+use std::sync::Arc;
+
 use space::{Dim, Dimension};
 
+use crate::checkpoint;
 use crate::contact::impulses::Impulses;
 use crate::contact::loads::Loads;
 use crate::error::Error;
 use crate::grains::{Grains, State};
-use crate::search::neighbours::Neighbours;
+use crate::search::neighbours::{Found, Neighbours};
 use crate::search::place::Place;
 use crate::setup::{Setup, check_places};
 use crate::solve::schedule::Goal;
@@ -31,6 +35,8 @@ where
     /// Label and first impulses of the pass before the candidate's.
     previous_pass: Option<(Label, Impulses<D>)>,
     neighbours: Neighbours<D>,
+    /// What was known of neighbours when the state was accepted.
+    accepted_search: Arc<Found<D>>,
 }
 
 impl<const D: usize> ContactEngine<D>
@@ -55,6 +61,7 @@ where
             candidate: None,
             previous_pass: None,
             neighbours: Neighbours::default(),
+            accepted_search: Arc::default(),
         })
     }
 
@@ -89,7 +96,33 @@ where
         self.candidate.as_ref()
     }
 
-    /// Take another accepted state, as after reading a checkpoint.
+    /// Write the accepted state to a file, with the search before it.
+    pub fn save(&self, path: &Path) -> Result<(), Error> {
+        let search = (
+            &self.accepted_search.reference[..],
+            &self.accepted_search.spare[..],
+        );
+        checkpoint::save(path, &self.grains, (&self.accepted, search))
+    }
+
+    /// Read the accepted state from a file.
+    pub fn restore(&mut self, path: &Path) -> Result<(), Error> {
+        let (state, (reference, spare)) = checkpoint::restore(path, &self.grains)?;
+        self.set_accepted(state)?;
+        if !reference.is_empty() && !self.neighbours.search_always {
+            let place = Place {
+                grains: &self.grains,
+                position: &reference,
+                walls: &self.walls,
+                period: self.setup.period,
+            };
+            self.accepted_search = Arc::new(Found::search(&place, spare)?);
+            self.neighbours.found = Arc::clone(&self.accepted_search);
+        }
+        Ok(())
+    }
+
+    /// Take another accepted state.
     pub fn set_accepted(&mut self, state: State<D>) -> Result<(), Error> {
         let count = self.grains.count();
         if [state.position.len(), state.velocity.len(), state.spin.len()] != [count; 3] {
@@ -99,10 +132,16 @@ where
         }
         state.check_finite()?;
         self.accepted = state;
+        self.begin_anew();
+        Ok(())
+    }
+
+    /// Nothing is known of the accepted state.
+    fn begin_anew(&mut self) {
         self.candidate = None;
         self.previous_pass = None;
         self.neighbours.forget();
-        Ok(())
+        self.accepted_search = Arc::default();
     }
 
     /// Take grains out of the accepted state, by ascending numbers; the others keep their order.
@@ -116,9 +155,7 @@ where
         }
         self.accepted = self.accepted.without(gone);
         self.grains = self.grains.without(gone);
-        self.candidate = None;
-        self.previous_pass = None;
-        self.neighbours.forget();
+        self.begin_anew();
         Ok(())
     }
 
@@ -130,6 +167,7 @@ where
             .ok_or_else(|| Error::Request("there is no candidate to accept".into()))?;
         self.accepted = candidate.state;
         self.previous_pass = None;
+        self.accepted_search = Arc::clone(&self.neighbours.found);
         Ok(())
     }
 

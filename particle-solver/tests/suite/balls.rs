@@ -458,10 +458,9 @@ fn a_heap_of_balls_settles_without_overlap_and_with_the_same_bits_each_time() {
                 // A candidate that is thrown away leaves nothing behind.
                 kept.advance(&choose(number, 0, 4e-2), &Forces::default())
                     .unwrap();
-                checkpoint::save(&file, kept.grains(), kept.accepted()).unwrap();
-                let restored = checkpoint::restore(&file, kept.grains()).unwrap();
-                assert_eq!(*kept.accepted(), restored);
-                always.set_accepted(restored).unwrap();
+                kept.save(&file).unwrap();
+                always.restore(&file).unwrap();
+                assert_eq!(kept.accepted(), always.accepted());
             }
             let one = step(&mut kept, &choose(number, 0, 1e-2));
             let two = step(&mut always, &choose(number, 0, 1e-2));
@@ -488,7 +487,7 @@ fn a_checkpoint_of_the_plane_is_refused_in_space() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("disks.state");
     let plane = crate::bench_box::engine(empty(), &[crate::bench_box::disk(0.0, 0.0, 1.0)]);
-    checkpoint::save(&file, plane.grains(), plane.accepted()).unwrap();
+    plane.save(&file).unwrap();
     let error = checkpoint::restore::<3>(&file, plane.grains()).unwrap_err();
     println!("{error}");
     assert!(error.to_string().contains("2 dimensions, the scene has 3"));

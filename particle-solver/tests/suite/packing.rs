@@ -1,7 +1,7 @@
 //! Many grains: they settle, and columns collapse as far as columns do.
 
 use crate::bench_box::*;
-use particle_solver::{ContactEngine, Forces, Request, Setup, checkpoint};
+use particle_solver::{ContactEngine, Forces, Request, Setup};
 
 fn choose(step: u64, dt: f64) -> Request {
     Request {
@@ -143,11 +143,9 @@ fn two_thousand_disks_collapse_the_same_after_a_checkpoint() {
     }
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("state");
-    checkpoint::save(&file, engine.grains(), engine.accepted()).unwrap();
+    engine.save(&file).unwrap();
     let mut other = engine.clone();
-    other
-        .set_accepted(checkpoint::restore(&file, engine.grains()).unwrap())
-        .unwrap();
+    other.restore(&file).unwrap();
     for number in 201..=400 {
         step(&mut engine, &choose(number, 5e-3));
         step(&mut other, &choose(number, 5e-3));

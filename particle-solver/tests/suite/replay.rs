@@ -1,7 +1,7 @@
 //! Same input, same bits.
 
 use crate::bench_box::*;
-use particle_solver::{Forces, Request, Setup, checkpoint};
+use particle_solver::{Forces, Request, Setup};
 use space::flat;
 
 fn heap() -> Engine {
@@ -110,11 +110,9 @@ fn a_restored_engine_goes_on_with_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("grains.state");
     let mut engine = heap_at_150();
-    checkpoint::save(&file, engine.grains(), engine.accepted()).unwrap();
+    engine.save(&file).unwrap();
     let mut other = heap();
-    other
-        .set_accepted(checkpoint::restore(&file, other.grains()).unwrap())
-        .unwrap();
+    other.restore(&file).unwrap();
     assert_eq!(engine.accepted(), other.accepted());
     for number in 151..=170 {
         let one = step(&mut engine, &free_request(number, 0));
@@ -131,8 +129,8 @@ fn a_restored_engine_goes_on_with_the_same_bits() {
 fn a_damaged_checkpoint_is_refused_with_its_reason() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("grains.state");
-    let engine = heap_at_150();
-    checkpoint::save(&file, engine.grains(), engine.accepted()).unwrap();
+    let mut engine = heap_at_150();
+    engine.save(&file).unwrap();
     let good = std::fs::read(&file).unwrap();
     let mut flipped = good.clone();
     flipped[good.len() / 2] ^= 4;
@@ -155,15 +153,14 @@ fn a_damaged_checkpoint_is_refused_with_its_reason() {
     ];
     for (reason, bytes) in cases {
         std::fs::write(&file, bytes).unwrap();
-        let error = checkpoint::restore::<2>(&file, engine.grains())
-            .unwrap_err()
-            .to_string();
+        let error = engine.restore(&file).unwrap_err().to_string();
         println!("{error}");
         assert!(error.contains(reason), "{error} should say {reason}");
     }
     std::fs::remove_file(&file).unwrap();
     assert!(
-        checkpoint::restore::<2>(&file, engine.grains())
+        engine
+            .restore(&file)
             .unwrap_err()
             .to_string()
             .contains("read")

@@ -1,7 +1,7 @@
 //! Nothing of a candidate that was thrown away is left: the next one has the bits of a fresh engine.
 
 use crate::bench_box::*;
-use particle_solver::{Candidate, Error, Forces, Request, Setup, checkpoint};
+use particle_solver::{Candidate, Error, Forces, Request, Setup};
 use space::flat;
 
 const GRAINS: usize = 60;
@@ -56,10 +56,9 @@ fn advance(engine: &mut Engine, request: &Request, of: f64) -> Result<Candidate<
 fn fresh(engine: &Engine, build: impl Fn() -> Engine) -> Engine {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("grains.state");
-    checkpoint::save(&file, engine.grains(), engine.accepted()).unwrap();
+    engine.save(&file).unwrap();
     let mut other = build();
-    let restored = checkpoint::restore(&file, other.grains()).unwrap();
-    other.set_accepted(restored).unwrap();
+    other.restore(&file).unwrap();
     other
 }
 

@@ -50,6 +50,18 @@ pub enum RecordingError {
         /// What does not fit.
         why: String,
     },
+    /// A run cannot be resumed with it.
+    #[error(
+        "{path} holds {messages} messages, the checkpoint was made after {expected}: it has been cut since"
+    )]
+    Short {
+        /// Which file.
+        path: PathBuf,
+        /// What it holds.
+        messages: u64,
+        /// What it should hold at least.
+        expected: u64,
+    },
     /// The recording cannot be replayed.
     #[error("{path} cannot be replayed: {why}")]
     NotReplayable {

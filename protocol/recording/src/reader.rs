@@ -21,6 +21,7 @@ use protocol::message::Role;
 use crate::begin::{BEGIN, Begin, END, End, FORMAT, PROFILE};
 use crate::entry::{Body, Entry, Key, Kind, decode, parse_topic, to_numbers};
 use crate::error::RecordingError;
+use crate::write::file::Copied;
 
 /// Largest record or chunk that is read \[bytes\]; the writer keeps messages below half of it.
 const RECORD_MAX: usize = 1 << 30;
@@ -135,6 +136,45 @@ impl Reader {
 
     /// The next message of a link; none at the end.
     pub fn next_entry(&mut self) -> Result<Option<Entry>, RecordingError> {
+        let Some((topic, header, bytes)) = self.next_message()? else {
+            return Ok(None);
+        };
+        let refuse = |why: String| self.damaged(format!("{topic}: {why}"));
+        let (wire, payload) = decode(&bytes).map_err(refuse)?;
+        let (seat, body) = body(&topic, &wire, payload).map_err(refuse)?;
+        let entry = Entry {
+            key: Key::from_log_time(header.log_time),
+            sequence: header.sequence,
+            wall: header.publish_time,
+            seat,
+            header: wire,
+            body,
+        };
+        self.note(&topic, &header);
+        Ok(Some(entry))
+    }
+
+    /// The same as it stands in the file, to be written to another one.
+    pub(crate) fn next_copied(&mut self) -> Result<Option<Copied>, RecordingError> {
+        let Some((topic, header, bytes)) = self.next_message()? else {
+            return Ok(None);
+        };
+        let refuse = |why: String| self.damaged(format!("{topic}: {why}"));
+        decode(&bytes).map_err(refuse)?;
+        let told = parse_topic(&topic).ok_or("no topic of a recording".to_owned());
+        let (seat, kind) = told.map_err(refuse)?;
+        self.note(&topic, &header);
+        Ok(Some(Copied {
+            seat,
+            kind,
+            log_time: header.log_time,
+            publish_time: header.publish_time,
+            bytes,
+        }))
+    }
+
+    /// The next message of a link, in its order; none at the end.
+    fn next_message(&mut self) -> Result<Option<(String, MessageHeader, Vec<u8>)>, RecordingError> {
         while !self.over {
             let found = match next_record(&mut self.input, &mut self.linear, &mut self.topics) {
                 Ok(Some(found)) => found,
@@ -166,34 +206,23 @@ impl Reader {
             if self.end.is_some() {
                 return Err(self.damaged(format!("{topic} follows {END}")));
             }
-            let key = Key::from_log_time(header.log_time);
-            let place = format!(
-                "after message {} ({topic}, step {})",
-                header.sequence, key.step
-            );
-            let refuse = |why: String| self.damaged(format!("{topic}: {why}"));
-            let (wire, payload) = decode(&bytes).map_err(refuse)?;
-            let entry = if topic == END {
-                self.end =
-                    Some(serde_json::from_slice(payload).map_err(|e| refuse(e.to_string()))?);
-                None
-            } else {
-                let (seat, body) = body(&topic, &wire, payload).map_err(refuse)?;
-                Some(Entry {
-                    key,
-                    sequence: header.sequence,
-                    wall: header.publish_time,
-                    seat,
-                    header: wire,
-                    body,
-                })
-            };
-            (self.messages, self.last) = (self.messages.wrapping_add(1), place);
-            if entry.is_some() {
-                return Ok(entry);
+            if topic != END {
+                return Ok(Some((topic, header, bytes)));
             }
+            let refuse = |why: String| self.damaged(format!("{topic}: {why}"));
+            let (_, payload) = decode(&bytes).map_err(refuse)?;
+            let end = serde_json::from_slice(payload).map_err(|e| refuse(e.to_string()))?;
+            self.end = Some(end);
+            self.note(&topic, &header);
         }
         Ok(None)
+    }
+
+    /// A message has been read.
+    fn note(&mut self, topic: &str, header: &MessageHeader) {
+        let step = Key::from_log_time(header.log_time).step;
+        self.messages = self.messages.wrapping_add(1);
+        self.last = format!("after message {} ({topic}, step {step})", header.sequence);
     }
 
     /// How the recording ends; after [`Reader::next_entry`] has returned none.

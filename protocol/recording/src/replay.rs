@@ -1,10 +1,11 @@
 //! Feeds the recorded inputs to one engine and compares its answers with the recorded ones.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
 use protocol::Error;
+use protocol::checkpoints;
 use protocol::engine::{InitialGrains, MeshDescription};
 use protocol::field::{BOUNDARY, Field, GRAINS, MESH};
 use protocol::header::Stage;
@@ -168,15 +169,17 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
                 self.report.steps += 1;
                 (self.accepted)(step, self.time);
             }
-            ToEngine::Restore { .. } => {
-                return Err(RecordingError::NotReplayable {
-                    path: reader.path().to_path_buf(),
-                    why: format!(
-                        "the {} was restored from a checkpoint, which is not in the recording",
-                        self.role.seat()
-                    ),
-                }
-                .into());
+            ToEngine::Restore { path } => {
+                let file = beside(reader.path(), &path, self.role).ok_or_else(|| {
+                    RecordingError::NotReplayable {
+                        path: reader.path().to_path_buf(),
+                        why: format!(
+                            "the {} was restored from a checkpoint, {path}, which is not beside the recording",
+                            self.role.seat()
+                        ),
+                    }
+                })?;
+                self.partner.restore(&file)?;
             }
             // One that keeps nothing back has sent it all with its candidate.
             ToEngine::Withhold { fields } if self.partner.may_withhold() => {
@@ -288,6 +291,16 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
 fn outputs(answers: &mut [(Field, Vec<f64>)]) -> Vec<(Field, &mut Vec<f64>)> {
     let fields = answers.iter_mut();
     fields.map(|(field, values)| (*field, values)).collect()
+}
+
+/// The part of this seat in a checkpoint that lies beside a recording, as it does in a run folder.
+fn beside(recording: &Path, told: &str, role: Role) -> Option<PathBuf> {
+    let told = Path::new(told);
+    let step = told.parent()?.file_name()?.to_str()?;
+    checkpoints::step_of(step)?;
+    let folder = recording.parent()?.join(checkpoints::FOLDER).join(step);
+    let file = folder.join(role.seat());
+    (told.file_name()? == role.seat() && file.is_file()).then_some(file)
 }
 
 fn is_input(stage: u32) -> bool {

@@ -254,7 +254,8 @@ pub enum ToEngine {
         /// Which.
         fields: Vec<Field>,
     },
-    /// Take these grains out of the accepted state: after `Commit`, before the next `Advance`. The others
+    /// Take these grains out of the accepted state: after `Commit`, before the next `Advance`; a run that is
+    /// resumed does so after `Ready`, before `Restore`. The others
     /// keep their order; answered by `Ready(Grains)` with the next epoch and their six fields.
     Remove {
         /// Their numbers in the present order, ascending; at most [`REMOVED_MAX`] at once.
@@ -273,8 +274,8 @@ pub enum ToCoupler {
     Done(Done),
     /// Answer to `Save` and `Restore`.
     Stored,
-    /// Instead of any answer; the engine leaves afterwards unless it was an `Advance`
-    /// (the coupler may then try a smaller step or finish).
+    /// Instead of any answer; the engine leaves afterwards unless it was an `Advance` (the coupler may then
+    /// try a smaller step or finish) or a `Save` (the disk may be full for a while).
     Failed(Failure),
     /// Answer to `Tell`; the fields follow.
     Told {
@@ -325,6 +326,16 @@ pub enum ToOrchestrator {
     },
     /// The recording ends here for this reason; the run goes on.
     RecordingEnded(String),
+    /// The accepted state of this step lies in its [draft](crate::run::checkpoints::draft): all that was
+    /// told before belongs to it.
+    Checkpoint {
+        /// Which step.
+        step: u64,
+        /// Its time \[s\].
+        time: f64,
+    },
+    /// The accepted state cannot be kept, for this reason; the run goes on.
+    NoCheckpoint(String),
 }
 
 /// Orchestrator → coupler.

@@ -24,6 +24,8 @@ pub const WRITTEN: [Field; 11] = [
 pub const STEP: &str = "step";
 /// End of the step \[s\].
 pub const TIME: &str = "time";
+/// Lengths that failed before that of the step.
+pub const FAILED_TRIES: &str = "failed_tries";
 /// Passes of the coupling.
 pub const PASSES: &str = "passes";
 /// Sub-steps of the last pass.
@@ -75,6 +77,7 @@ pub fn is_cost(name: &str) -> bool {
 pub fn is_count(name: &str) -> bool {
     let counts = [
         STEP,
+        FAILED_TRIES,
         PASSES,
         SUB_STEPS,
         CONTACTS,

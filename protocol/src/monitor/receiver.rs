@@ -58,7 +58,10 @@ impl MonitorReceiver {
         let fields = self.fields_of(&message)?;
         let unanswered = matches!(
             message,
-            ToOrchestrator::Step(_) | ToOrchestrator::RecordingEnded(_)
+            ToOrchestrator::Step(_)
+                | ToOrchestrator::RecordingEnded(_)
+                | ToOrchestrator::Checkpoint { .. }
+                | ToOrchestrator::NoCheckpoint(_)
         );
         if !unanswered {
             self.send(FromOrchestrator::SnapshotTaken)?;

@@ -103,6 +103,16 @@ impl MonitorSender {
         self.send(&ToOrchestrator::RecordingEnded(why.to_owned()))
     }
 
+    /// The accepted state of this step is kept.
+    pub fn checkpoint(&mut self, step: u64, time: f64) -> Result<(), Error> {
+        self.send(&ToOrchestrator::Checkpoint { step, time })
+    }
+
+    /// It cannot be kept.
+    pub fn no_checkpoint(&mut self, why: &str) -> Result<(), Error> {
+        self.send(&ToOrchestrator::NoCheckpoint(why.to_owned()))
+    }
+
     /// Fields of the accepted state with this many grains; waits until the previous snapshot was taken
     /// over.
     pub fn snapshot(

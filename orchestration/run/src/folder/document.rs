@@ -2,17 +2,18 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use protocol::message::Hello;
 use scene::error::{Error, exit_code};
+use scene::kept::Kept;
 use scene::{Scene, plan};
 use serde_json::{Value, json};
 
 use super::run_folder::RunFolder;
 use super::steps::Summary;
 use super::{machine, recorded};
-use crate::{file, version};
+use crate::file::{self, seconds_since_1970};
+use crate::version;
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,15 +33,6 @@ pub struct Ending {
     pub phases: BTreeMap<&'static str, f64>,
 }
 
-/// Versions that matter for a result.
-pub fn versions() -> Value {
-    json!({
-        "sillage": version::SILLAGE,
-        "protocol": protocol::PROTOCOL_VERSION,
-        "commit": version::commit(),
-    })
-}
-
 /// The document of a run that goes on (`ending` is none) or has ended.
 pub fn document(scene: &Scene, folder: &RunFolder, ending: Option<&Ending>) -> Value {
     let summary = folder.summary();
@@ -54,9 +46,13 @@ pub fn document(scene: &Scene, folder: &RunFolder, ending: Option<&Ending>) -> V
         .record
         .as_ref()
         .map(|record| recorded::report(record, &folder.totals, why));
+    let mut described = json!(Kept::of(scene));
+    described["resolved"] = json!(scene.coupler);
+    described["grains"] = json!(scene.grains.len());
+    let (kept, not_kept) = folder.kept();
     json!({
-        "scene": { "name": scene.name, "resolved": scene.coupler, "grains": scene.grains.len() },
-        "versions": versions(),
+        "scene": described,
+        "versions": version::all(),
         "machine": machine::machine(),
         "plan": plan::plan(scene),
         "engines": folder.engines.iter().map(engine).collect::<Vec<_>>(),
@@ -68,6 +64,8 @@ pub fn document(scene: &Scene, folder: &RunFolder, ending: Option<&Ending>) -> V
         "left_out": summary.left_out,
         "totals": totals,
         "recording": recording,
+        "resumed": folder.resumed(),
+        "checkpoint": { "step": kept, "none_later": not_kept },
         "exit": ending.map(|ending| json!({
             "code": ending.code,
             "meaning": exit_code::meaning(ending.code),
@@ -108,13 +106,18 @@ pub fn place(folder: &Path) -> PathBuf {
     folder.join("run.json")
 }
 
+/// Read the `run.json` of a run folder.
+pub fn read(folder: &Path) -> Result<Value, Error> {
+    let path = place(folder);
+    let unusable = |why: String| {
+        let path = path.display();
+        Error::Usage(format!("{path}: {why}: name the folder of a run"))
+    };
+    let text = std::fs::read_to_string(&path).map_err(|error| unusable(error.to_string()))?;
+    serde_json::from_str(&text).map_err(|error| unusable(error.to_string()))
+}
+
 /// Write `run.json`.
 pub fn write(folder: &Path, document: &Value) -> Result<(), Error> {
     file::write(&place(folder), text(document))
-}
-
-fn seconds_since_1970() -> u64 {
-    SystemTime::now()
-        .duration_since(UNIX_EPOCH)
-        .map_or(0, |elapsed| elapsed.as_secs())
 }

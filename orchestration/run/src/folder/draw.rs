@@ -12,6 +12,12 @@ pub trait Draw: Send {
     /// Draw what there is to draw of a message.
     fn take(&mut self, event: &Event, disk: &Disk) -> Result<(), Error>;
 
+    /// What is needed to go on from here.
+    fn keep(&self) -> String;
+
+    /// Go on from what was kept, and forget what was drawn after it; before any message.
+    fn resume(&mut self, kept: &str) -> Result<(), Error>;
+
     /// The run is over.
     fn finish(&mut self, disk: &Disk) -> Result<(), Error>;
 }

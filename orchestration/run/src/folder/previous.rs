@@ -15,7 +15,7 @@ use scene::Error;
 use super::recorded;
 
 /// What a run writes to its folder, beside its recording.
-const WRITTEN: [&str; 13] = [
+const WRITTEN: [&str; 15] = [
     "run.json",
     "scene.toml",
     "scene.json",
@@ -29,6 +29,8 @@ const WRITTEN: [&str; 13] = [
     "vtu",
     "frames",
     "logs",
+    "checkpoints",
+    "failed-step.mcap",
 ];
 const ASIDE: &str = ".previous";
 const DISCARDED: &str = ".discarded";

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use protocol::message::Diagnostic;
 use protocol::monitor::columns;
 use scene::Error;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::disk::Disk;
 
@@ -17,6 +17,12 @@ pub struct Steps {
     path: PathBuf,
     disks: bool,
     file: File,
+    table: Table,
+}
+
+/// What is in it.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct Table {
     /// Bytes of whole rows.
     length: u64,
     columns: Vec<String>,
@@ -25,7 +31,7 @@ pub struct Steps {
 }
 
 /// Sums and extremes over the steps.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Steps accepted.
     pub steps: u64,
@@ -40,10 +46,10 @@ pub struct Summary {
 }
 
 /// A part that was not there in some steps.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LeftOut {
     /// What.
-    pub part: &'static str,
+    pub part: String,
     /// Steps without it.
     pub steps_without: u64,
     /// The first step with it; none: no step needed it.
@@ -75,22 +81,57 @@ impl Steps {
             path,
             disks,
             file,
-            length: 0,
-            columns: Vec::new(),
-            summary: Summary::default(),
+            table: Table::default(),
         })
+    }
+
+    /// The table up to where it was kept; rows after that are cut off.
+    pub fn resume(path: PathBuf, disks: bool, table: Table) -> Result<Self, Error> {
+        let file = File::options().write(true).open(&path);
+        let file = file.map_err(Error::file("cannot write", &path))?;
+        let length = file
+            .metadata()
+            .map_err(Error::file("cannot read", &path))?
+            .len();
+        if length < table.length {
+            return Err(Error::Usage(format!(
+                "{} has {length} bytes, at the checkpoint it had {}: it has been cut since",
+                path.display(),
+                table.length
+            )));
+        }
+        file.set_len(table.length)
+            .map_err(Error::file("cannot cut", &path))?;
+        Ok(Steps {
+            path,
+            disks,
+            file,
+            table,
+        })
+    }
+
+    /// What is in it.
+    pub fn table(&self) -> &Table {
+        &self.table
+    }
+
+    /// Wait until its rows are on the disk.
+    pub fn sync(&self) -> Result<(), Error> {
+        let synced = self.file.sync_all();
+        synced.map_err(Error::file("cannot bring to the disk", &self.path))
     }
 
     /// Add a row. A step that lacks a column leaves it empty; one that the first step lacked is
     /// only summed up.
     pub fn add(&mut self, values: &[Diagnostic], disk: &Disk) -> Result<(), Error> {
         let mut text = String::new();
-        if self.columns.is_empty() {
-            self.columns = values.iter().map(|value| value.name.clone()).collect();
-            text = self.columns.join(",") + "\n";
+        if self.table.columns.is_empty() {
+            self.table.columns = values.iter().map(|value| value.name.clone()).collect();
+            text = self.table.columns.join(",") + "\n";
             self.write_units(disk)?;
         }
         let row: Vec<String> = self
+            .table
             .columns
             .iter()
             .map(|name| {
@@ -101,15 +142,15 @@ impl Steps {
         text += &(row.join(",") + "\n");
         // In one piece: whoever looks at a running computation sees whole rows.
         disk.attempt(|| {
-            let written = self.file.write_all_at(text.as_bytes(), self.length);
+            let written = self.file.write_all_at(text.as_bytes(), self.table.length);
             written.map_err(|error| {
                 // Half a row must not stay.
-                let _ = self.file.set_len(self.length);
+                let _ = self.file.set_len(self.table.length);
                 Error::file("cannot write", &self.path)(error)
             })
         })?;
-        self.length += text.len() as u64;
-        self.summary.add(values);
+        self.table.length += text.len() as u64;
+        self.table.summary.add(values);
         Ok(())
     }
 }
@@ -121,7 +162,7 @@ impl Steps {
             let unit = columns::unit(name, self.disks).unwrap_or_default();
             format!("{name},{unit}\n")
         };
-        let rows: String = self.columns.iter().map(unit).collect();
+        let rows: String = self.table.columns.iter().map(unit).collect();
         let units = self.path.with_extension("units.csv");
         disk.write(&units, format!("column,unit\n{rows}"))
     }
@@ -164,12 +205,12 @@ impl Summary {
 
 impl Summary {
     /// Was a part there in this step?
-    fn note(&mut self, part: &'static str, there: bool) {
+    fn note(&mut self, part: &str, there: bool) {
         let step = self.steps;
         let place = self.left_out.iter().position(|known| known.part == part);
         let place = place.unwrap_or_else(|| {
             self.left_out.push(LeftOut {
-                part,
+                part: part.to_owned(),
                 steps_without: 0,
                 first_step_with: None,
             });

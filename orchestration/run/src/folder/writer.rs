@@ -49,8 +49,15 @@ impl Writer {
             let mut outcome = Ok(());
             for event in events {
                 if outcome.is_ok() {
-                    let written = folder.take(&event, &own);
-                    outcome = written.and_then(|()| pictures.take(&event, &own));
+                    outcome = match event.message {
+                        ToOrchestrator::Checkpoint { step, time } => {
+                            folder.keep((step, time), pictures.keep(), &own)
+                        }
+                        _ => {
+                            let written = folder.take(&event, &own);
+                            written.and_then(|()| pictures.take(&event, &own))
+                        }
+                    };
                 }
                 left.messages.fetch_sub(1, Ordering::SeqCst);
                 left.states

@@ -11,6 +11,7 @@ use scene::Error;
 
 use super::mesh::Mesh;
 use crate::disk::Disk;
+use crate::file::{self, sync};
 
 /// Kind of a cell, by VTK's numbers.
 const VERTEX: u8 = 1;
@@ -19,6 +20,9 @@ const TETRAHEDRON: u8 = 10;
 
 /// Numbers of a point and of a vector in a file, where the plane lies at z = 0.
 const SPACE: usize = 3;
+
+/// A time and a file name for each state of a list.
+pub type Entries = Vec<(f64, String)>;
 
 /// How a file is to be written.
 #[derive(Debug, Clone, Copy)]
@@ -199,7 +203,7 @@ fn array(xml: &mut String, kind: &str, name: &str, components: usize, bytes: Vec
 /// The list of the states of one phase.
 pub struct Series {
     path: PathBuf,
-    entries: Vec<(f64, String)>,
+    entries: Entries,
 }
 
 impl Series {
@@ -211,12 +215,44 @@ impl Series {
         }
     }
 
+    /// A list that goes on after these states.
+    pub fn resume(path: PathBuf, entries: Entries) -> Result<Self, Error> {
+        let series = Series { path, entries };
+        if !series.entries.is_empty() {
+            file::write(&series.path, series.text())?;
+        }
+        Ok(series)
+    }
+
+    /// Time and name of each state.
+    pub fn entries(&self) -> &Entries {
+        &self.entries
+    }
+
+    /// The list and its states are on the disk after this, from the state `first` on.
+    pub fn sync(&self, first: usize) -> Result<(), Error> {
+        let states = self.entries.iter().skip(first);
+        for (_, name) in states {
+            sync(&self.path.with_file_name(name))?;
+        }
+        match self.entries.is_empty() {
+            true => Ok(()),
+            false => sync(&self.path),
+        }
+    }
+
     /// Write a state and list it; `name` is relative to the folder of the list. A state that cannot be listed
     /// does not stay.
     pub fn add(&mut self, time: f64, name: &str, content: &str, disk: &Disk) -> Result<(), Error> {
         let state = self.path.with_file_name(name);
         disk.write(&state, content)?;
         self.entries.push((time, name.to_string()));
+        disk.write(&self.path, self.text()).inspect_err(|_| {
+            let _ = std::fs::remove_file(&state);
+        })
+    }
+
+    fn text(&self) -> String {
         let mut xml = String::from(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
         );
@@ -227,9 +263,7 @@ impl Series {
             );
         }
         xml += "</Collection>\n</VTKFile>\n";
-        disk.write(&self.path, &xml).inspect_err(|_| {
-            let _ = std::fs::remove_file(&state);
-        })
+        xml
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::table::Grain;
+use super::table::{Grain, GrainTable};
 use crate::keys::Grains;
 use crate::memory;
 
@@ -49,6 +49,25 @@ pub fn read(path: &Path, population: &Grains) -> Result<Vec<Grain>, String> {
         return Err(format!("{at} has a header and no grain"));
     }
     Ok(grains)
+}
+
+/// Read the grains that a run folder keeps.
+pub fn of_run(path: &Path) -> Result<GrainTable, String> {
+    let population = Grains {
+        density: None,
+        radius: None,
+        velocity: [0.0; 2],
+        fixed: false,
+        cloud: None,
+        lattice: None,
+        filled_box: None,
+        file: None,
+    };
+    let mut table = GrainTable::default();
+    for grain in read(path, &population)? {
+        table.push(grain);
+    }
+    Ok(table)
 }
 
 /// A column of the file: what it is, and what a number there is worth in SI units.

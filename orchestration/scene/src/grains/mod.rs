@@ -12,5 +12,6 @@ mod place;
 mod random;
 mod table;
 
+pub use file::of_run;
 pub use generate::generate;
 pub use table::GrainTable;

@@ -1,4 +1,4 @@
-//! Keys of how a run is made: `[engines]`, `[output]`, `[record]` and `[limits]`.
+//! Keys of how a run is made: `[engines]`, `[output]`, `[record]`, `[checkpoint]` and `[limits]`.
 
 use recording::Compression;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -57,6 +57,30 @@ impl Default for Record {
         Record {
             file: "exchange.mcap".to_string(),
             compression: Compression::Zstd,
+        }
+    }
+}
+
+/// What is kept of a run, so that it can be resumed. The last state is kept in any case, also of a run that is
+/// stopped or fails.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Checkpoint {
+    /// Steps between two checkpoints; left out: only the wall clock counts.
+    pub every_steps: Option<std::num::NonZeroU64>,
+    /// Wall time between two checkpoints (s).
+    #[schemars(transform = positive)]
+    pub every_wall: f64,
+    /// How many stay; 0: none is made.
+    pub keep: u32,
+}
+
+impl Default for Checkpoint {
+    fn default() -> Self {
+        Checkpoint {
+            every_steps: None,
+            every_wall: 600.0,
+            keep: 2,
         }
     }
 }

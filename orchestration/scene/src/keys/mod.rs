@@ -12,7 +12,7 @@ mod ranges;
 mod room;
 mod scene_file;
 
-pub use conduct::{EngineCommand, Engines, LimitKeys, Output, Record};
+pub use conduct::{Checkpoint, EngineCommand, Engines, LimitKeys, Output, Record};
 pub use coupling::{Contact, Coupling};
 pub use fluid::{Domain, Fluid, Rectangle};
 pub use grains::{Arrangement, Cloud, FilledBox, Grains, Lattice, Pattern, Radius, RadiusRange};

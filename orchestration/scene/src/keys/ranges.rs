@@ -95,8 +95,10 @@ pub fn parts(schema: &mut Schema) {
 /// A key that is left out is not there: TOML has no null.
 pub fn without_null() -> impl Transform + Clone + Send {
     RecursiveTransform(|schema: &mut Schema| {
-        if let Some(Value::Object(defaults)) = schema.get_mut("default") {
-            defaults.retain(|_, value| !value.is_null());
+        match schema.get_mut("default") {
+            Some(Value::Object(defaults)) => defaults.retain(|_, value| !value.is_null()),
+            Some(Value::Null) => _ = schema.remove("default"),
+            _ => {}
         }
         if let Some(Value::Array(types)) = schema.get_mut("type") {
             types.retain(|name| name != "null");

@@ -5,7 +5,7 @@ use schemars::generate::SchemaSettings;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::conduct::{Engines, LimitKeys, Output, Record};
+use super::conduct::{Checkpoint, Engines, LimitKeys, Output, Record};
 use super::coupling::{Contact, Coupling};
 use super::fluid::Fluid;
 use super::grains::Grains;
@@ -44,6 +44,9 @@ pub struct SceneFile {
     pub output: Output,
     /// Recording of all that processes exchange.
     pub record: Option<Record>,
+    /// What is kept of a run, so that it can be resumed.
+    #[serde(default)]
+    pub checkpoint: Checkpoint,
     /// How long to wait for an engine.
     #[serde(default)]
     pub limits: LimitKeys,
@@ -59,6 +62,10 @@ pub struct Run {
     /// Coupling step (s): how often fluid and grains exchange.
     #[schemars(transform = positive)]
     pub coupling_step: f64,
+    /// A step that fails is halved down to this (s); left out: to coupling_step/64, or to the step_min of
+    /// adaptive steps.
+    #[schemars(transform = positive)]
+    pub step_min: Option<f64>,
     /// May engines leave out what their bounds allow? false: everything is computed in every step,
     /// for comparison.
     #[serde(default = "yes")]

@@ -4,7 +4,8 @@
 
 pub mod choices;
 mod cost;
+mod kept;
 mod whole;
 
 pub use choices::Choice;
-pub use whole::{Exchange, Plan, Process, plan, processes, write_inputs};
+pub use whole::{Exchange, Plan, Process, plan, processes, scene_json, write_inputs};

@@ -11,6 +11,7 @@ use protocol::scene::{
 use serde::Serialize;
 
 use super::choices::{self, Choice};
+use super::kept;
 use crate::error::Error;
 use crate::record;
 use crate::resolve::GRAINS_FILE;
@@ -37,6 +38,8 @@ pub struct Plan {
     pub left_out: Vec<String>,
     /// What the run chooses by itself, with the bounds that decide.
     pub choices: Vec<Choice>,
+    /// What is kept of the run, so that it can be resumed.
+    pub kept: Vec<String>,
     /// What may surprise.
     pub warnings: Vec<String>,
 }
@@ -78,6 +81,7 @@ pub fn plan(scene: &Scene) -> Plan {
         fields: fields(scene),
         left_out: left_out(scene),
         choices: choices::choices(scene),
+        kept: kept::checkpoints(scene),
         warnings: scene.warnings.clone(),
     }
 }
@@ -350,14 +354,18 @@ fn left_out(scene: &Scene) -> Vec<String> {
     left_out
 }
 
+/// `scene.json`: what the coupler takes.
+pub fn scene_json(scene: &Scene) -> Result<String, Error> {
+    let json = serde_json::to_string_pretty(&scene.coupler)
+        .map_err(|error| Error::Usage(format!("the scene cannot be written as JSON: {error}")))?;
+    Ok(json + "\n")
+}
+
 /// Write what the coupler takes: `scene.json` and, with grains, `grains.csv`.
 pub fn write_inputs(scene: &Scene, folder: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(folder).map_err(Error::file("cannot create", folder))?;
     let path = folder.join("scene.json");
-    let mut json = serde_json::to_string_pretty(&scene.coupler)
-        .map_err(|error| Error::Usage(format!("the scene cannot be written as JSON: {error}")))?;
-    json.push('\n');
-    std::fs::write(&path, json).map_err(Error::file("cannot write", &path))?;
+    std::fs::write(&path, scene_json(scene)?).map_err(Error::file("cannot write", &path))?;
     if !scene.grains.is_empty() {
         let path = folder.join(GRAINS_FILE);
         std::fs::write(&path, scene.grains.to_csv()).map_err(Error::file("cannot write", &path))?;
@@ -412,6 +420,7 @@ impl fmt::Display for Plan {
         section(out, "left out", &self.left_out)?;
         let choices: Vec<String> = self.choices.iter().map(Choice::to_string).collect();
         section(out, "chosen", &choices)?;
+        section(out, "kept", &self.kept)?;
         section(out, "warnings", &self.warnings)
     }
 }

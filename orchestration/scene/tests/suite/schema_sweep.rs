@@ -12,7 +12,7 @@ use crate::schema;
 use crate::validator::{complaint, plain};
 
 /// Keys whose numbers the program alone refuses, as they go with others or with what is there.
-const BEYOND: [&str; 11] = [
+const BEYOND: [&str; 12] = [
     "coupling.adaptive.step_max", // step_min
     "fluid.domain.rectangle.upper",
     "grains.box.upper",
@@ -22,6 +22,7 @@ const BEYOND: [&str; 11] = [
     "output.fields",     // is there a fluid, are there grains?
     "particles.domain.upper",
     "run.coupling_step", // end_time
+    "run.step_min",      // coupling_step
     "walls.to",          // from
     "walls.velocity",    // the way of the wall
 ];

@@ -419,7 +419,7 @@ function words() {
   const grains = run.scene.grains, steps = run.steps;
   const gone = (data.steps.removed_grains || []).at(-1);
   const live = data.steps.step ? data.steps.step[data.steps.step.length - 1] : 0;
-  $('summary').textContent = `${exit ? steps : live} steps to t = ${quantity(exit ? run.time_reached : (data.steps.time || [0]).at(-1), 's')}` + (grains ? `, ${grains} grain${grains > 1 ? 's' : ''}` : ', no grains') + (gone ? `, ${gone} of them left` : '') + (cost.wall_total ? `, ${quantity(cost.wall_total, 's', 3)} on ${run.machine.cores} cores` : '');
+  $('summary').textContent = `${exit ? steps : live} steps to t = ${quantity(exit ? run.time_reached : (data.steps.time || [0]).at(-1), 's')}` + (grains ? `, ${grains} grain${grains > 1 ? 's' : ''}` : ', no grains') + (gone ? `, ${gone} of them left` : '') + ((run.resumed || []).length ? `, resumed after step ${run.resumed.map(r => r.step).join(', ')}` : '') + (cost.wall_total ? `, ${quantity(cost.wall_total, 's', 3)} on ${run.machine.cores} cores` : '');
   badge.className = 'badge' + (!exit ? ' runs' : exit.code ? ' bad' : '');
   badge.textContent = !exit ? (data.live ? 'running' : 'not finished when this was written') : exit.code ? `exit ${exit.code}, ${(exit.why || '').startsWith(exit.meaning) ? exit.why : exit.meaning + ': ' + exit.why}` : 'finished';
   const cpu = cost.cpu_process || {}, phases = ['fluid', 'particles', 'coupler', 'exchange'].filter(p => cost['wall_' + p] !== undefined);
@@ -433,7 +433,7 @@ function words() {
   const balance = Object.entries(meaning).filter(([k]) => worst[k] !== undefined).map(([k, label]) => [label, number(worst[k], 3)]);
   $('worst').replaceChildren(balance.length ? rows(balance, ['worst of all steps', '']) : node('p', { class: 'muted' }, 'Known when the run has ended.'));
   const plan = run.plan, part = (title, list) => list && list.length ? [node('h3', {}, title), node('ul', {}, ...list.map(t => node('li', {}, t)))] : [];
-  $('plan').replaceChildren(...(plan ? [...part('Processes', plan.processes.map(p => p.seat + ': ' + p.command.join(' '))), ...part('Sizes', plan.sizes), ...part('Terms', plan.terms), ...part('Left out', plan.left_out), ...part('Chosen', (plan.choices || []).map(c => c.part + ': ' + c.chosen + ': ' + c.reason)), ...part('Warnings', plan.warnings)] : [node('p', { class: 'muted' }, 'This run was made by a version that did not write its plan.')]));
+  $('plan').replaceChildren(...(plan ? [...part('Processes', plan.processes.map(p => p.seat + ': ' + p.command.join(' '))), ...part('Sizes', plan.sizes), ...part('Terms', plan.terms), ...part('Left out', plan.left_out), ...part('Chosen', (plan.choices || []).map(c => c.part + ': ' + c.chosen + ': ' + c.reason)), ...part('Kept', plan.kept), ...part('Warnings', plan.warnings)] : [node('p', { class: 'muted' }, 'This run was made by a version that did not write its plan.')]));
   const versions = [['sillage', `${run.versions.sillage}, commit ${run.versions.commit || 'unknown'}`], ['protocol', String(run.versions.protocol)], ...(run.engines || []).map(e => [e.role.toLowerCase(), `${e.engine} ${e.version}`]), ['machine', `${run.machine.cpu}, ${run.machine.cores} cores, ${quantity(run.machine.memory, 'B', 3)}`], ['system', run.machine.system], ['written', new Date(run.written * 1000).toISOString().replace('T', ' ').slice(0, 16) + ' UTC']];
   $('versions').replaceChildren(rows(versions));
   $('scene').textContent = data.scene; $('resolved').textContent = JSON.stringify(run.scene.resolved, null, 2);

@@ -9,11 +9,13 @@ use protocol::scene::{Wall, fixed};
 use run::disk::Disk;
 use run::folder::draw::Draw;
 use run::vtu::mesh::Mesh;
+use run::vtu::read as vtu;
 use scene::{Error, Scene};
+use serde::{Deserialize, Serialize};
 
 use super::axes::round_up;
 use super::frame::frame;
-use super::overview::{Album, overview};
+use super::overview::{Album, Shown, overview};
 use super::state::{Stage, State};
 use crate::plane::{Point, Triangles};
 
@@ -42,6 +44,7 @@ pub fn pictures(scene: &Scene, folder: &Path) -> Box<dyn Draw> {
         album: Album::default(),
         speed_max: 0.0,
         frames: 0,
+        kept: None,
     })
 }
 
@@ -56,6 +59,8 @@ struct Drawing {
     /// Speed of the deepest colour \[m/s\].
     speed_max: f64,
     frames: usize,
+    /// Of a run that goes on, until it does.
+    kept: Option<Kept>,
 }
 
 impl Draw for Drawing {
@@ -64,13 +69,33 @@ impl Draw for Drawing {
             return Ok(());
         }
         match &event.message {
-            ToOrchestrator::Started { .. } => self.set_stage(&event.fields),
+            ToOrchestrator::Started { .. } => return self.set_stage(&event.fields),
             ToOrchestrator::Snapshot { time, .. } => {
                 return self.frame(state(*time, &event.fields), disk);
             }
             _ => {}
         }
         Ok(())
+    }
+
+    fn keep(&self) -> String {
+        let kept = Kept {
+            speed_max: self.speed_max,
+            frames: self.frames,
+            window: self.stage.as_ref().map(|stage| stage.window),
+            shown: self.album.shown(),
+        };
+        serde_json::to_string(&kept).unwrap_or_default()
+    }
+
+    fn resume(&mut self, kept: &str) -> Result<(), Error> {
+        let kept: Kept = serde_json::from_str(kept).map_err(|error| Error::Picture {
+            path: self.folder.join("frames"),
+            why: format!("what was kept of them cannot be read: {error}"),
+        })?;
+        (self.speed_max, self.frames) = (kept.speed_max, kept.frames);
+        self.kept = Some(kept);
+        self.forget_frames()
     }
 
     fn finish(&mut self, disk: &Disk) -> Result<(), Error> {
@@ -87,15 +112,48 @@ impl Draw for Drawing {
     }
 }
 
+/// What pictures need to go on. The states of the contact sheet are read back from the files for ParaView.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    speed_max: f64,
+    frames: usize,
+    window: Option<([f64; 2], [f64; 2])>,
+    shown: Shown,
+}
+
 impl Drawing {
-    fn set_stage(&mut self, fields: &[(Field, Vec<f64>)]) {
-        self.stage = Some(Stage::new(
+    /// Frames that were drawn after the checkpoint go.
+    fn forget_frames(&self) -> Result<(), Error> {
+        let entries = std::fs::read_dir(self.folder.join("frames"))
+            .into_iter()
+            .flatten();
+        for entry in entries.flatten() {
+            let (name, path) = (entry.file_name(), entry.path());
+            let number = name.to_str().and_then(|name| name.strip_suffix(".png"));
+            let number = number.and_then(|digits| digits.parse::<usize>().ok());
+            if number.is_some_and(|number| number >= self.frames) {
+                std::fs::remove_file(&path).map_err(Error::file("cannot remove", &path))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn set_stage(&mut self, fields: &[(Field, Vec<f64>)]) -> Result<(), Error> {
+        let mesh = Mesh::from_fields(2, fields);
+        let nodes = mesh.as_ref().map_or(0, |mesh| mesh.node_count);
+        let mut stage = Stage::new(
             &self.name,
-            Mesh::from_fields(2, fields).and_then(Triangles::of),
+            mesh.and_then(Triangles::of),
             &self.walls,
             values(fields, Field::GrainRadius).to_vec(),
             self.grain_fixed.clone(),
-        ));
+        );
+        if let Some(Kept { window, shown, .. }) = self.kept.take() {
+            stage.window = window.unwrap_or(stage.window);
+            self.album = Album::again(shown, |number| kept_state(&self.folder, nodes, number))?;
+        }
+        self.stage = Some(stage);
+        Ok(())
     }
 
     fn frame(&mut self, state: State, disk: &Disk) -> Result<(), Error> {
@@ -113,6 +171,36 @@ impl Drawing {
         self.album.add(state);
         Ok(())
     }
+}
+
+/// A state as it was put out, on so many nodes: the first points of its file. What that lacks is not drawn.
+fn kept_state(folder: &Path, nodes: usize, number: usize) -> Result<State, Error> {
+    let read = |list: &str| -> Result<Option<(f64, vtu::State)>, Error> {
+        let entries = vtu::list(&folder.join(list))?;
+        let Some((time, file)) = entries.into_iter().nth(number) else {
+            return Ok(None);
+        };
+        Ok(Some((time, vtu::State::read(&folder.join(file))?)))
+    };
+    let single = |pair: [f64; 2]| pair.map(|component| component as f32);
+    let mut state = State::default();
+    if let Some((time, fluid)) = read("fluid.pvd")? {
+        state.time = time;
+        let velocity = fluid.vectors::<2>(Field::InterstitialVelocity.name())?;
+        let velocity = velocity.unwrap_or_default().into_iter();
+        state.fluid_velocity = velocity.take(nodes).map(single).collect();
+    }
+    if let Some((time, grains)) = read("grains.pvd")? {
+        state.time = time;
+        let position = grains.vectors::<2>("position")?.unwrap_or_default();
+        state.grain_position = position.into_iter().map(single).collect();
+        let velocity = grains.vectors::<2>(Field::GrainVelocity.name())?;
+        let speeds = velocity.unwrap_or_default().into_iter().map(single);
+        state.grain_speed = speeds.map(|v| v[0].hypot(v[1])).collect();
+        let id = grains.numbers(Field::GrainId.name())?.unwrap_or_default();
+        state.grain_id = id.into_iter().map(|id| id as u32).collect();
+    }
+    Ok(state)
 }
 
 /// The values of a field; none of one that was not sent.

@@ -1,5 +1,8 @@
 //! A contact sheet of several states of a run, with one scale of colours.
 
+use scene::Error;
+use serde::{Deserialize, Serialize};
+
 use super::axes::{self, ColourBar, TEXT, round_up};
 use super::canvas::{Anchor, Canvas};
 use super::colour::INK;
@@ -136,7 +139,38 @@ pub struct Album {
     seen: usize,
 }
 
+/// Which states an album has.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Shown {
+    stride: usize,
+    seen: usize,
+}
+
 impl Album {
+    /// Which states it has.
+    pub fn shown(&self) -> Shown {
+        Shown {
+            stride: self.stride.max(1),
+            seen: self.seen,
+        }
+    }
+
+    /// The album of these states, each by its number.
+    pub fn again(
+        shown: Shown,
+        state: impl Fn(usize) -> Result<State, Error>,
+    ) -> Result<Album, Error> {
+        let Shown { stride, seen } = shown;
+        let numbers = (0..seen).step_by(stride.max(1));
+        let last = seen.checked_sub(1).filter(|last| last % stride.max(1) != 0);
+        Ok(Album {
+            kept: numbers.map(&state).collect::<Result<_, _>>()?,
+            last: last.map(&state).transpose()?,
+            stride,
+            seen,
+        })
+    }
+
     /// Keep a state, or drop every second one when there are too many.
     pub fn add(&mut self, state: State) {
         let stride = self.stride.max(1);

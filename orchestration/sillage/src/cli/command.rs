@@ -6,7 +6,7 @@ use super::engines::{ConformArgs, ConformCouplerArgs};
 use super::help::{CONFORM_HELP, EXAMPLES, EXIT_CODES};
 use super::pages::{ReportArgs, StabilityArgs, StudyArgs, ViewArgs};
 use super::recordings::{DiffArgs, ReplayArgs};
-use super::scenes::{CheckArgs, DoctorArgs, PlanArgs, RunArgs};
+use super::scenes::{CheckArgs, DoctorArgs, PlanArgs, ResumeArgs, RunArgs};
 
 /// Grains in a fluid, in two dimensions: a finite-element fluid, non-smooth contacts, and the
 /// coupling between them, each in its own process.
@@ -23,9 +23,16 @@ pub struct Cli {
 pub enum Command {
     /// Run a scene: progress on stderr, results in a run folder
     #[command(after_help = format!(
-        "Ctrl-C stops after the current step and keeps what was computed; twice kills.\n\n{EXIT_CODES}"
+        "Ctrl-C stops after the current step and keeps what was computed (sillage resume goes on); twice kills.\n\n{EXIT_CODES}"
     ))]
     Run(RunArgs),
+    /// Go on with a run that was stopped, failed or killed, from its last checkpoint
+    #[command(after_help = format!(
+        "The run ends as it would have without an interruption, to the bit. What was put out after the \
+         checkpoint is cut off and computed again. With a later --set run.end_time a run that has ended goes \
+         on.\n\n{EXIT_CODES}"
+    ))]
+    Resume(ResumeArgs),
     /// Validate a scene without running it
     Check(CheckArgs),
     /// Print which processes, terms and fields a scene needs, and what is left out

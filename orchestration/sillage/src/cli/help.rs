@@ -15,6 +15,7 @@ pub const EXAMPLES: &str = "\
 Examples:
   sillage run scenes/cloud.toml
   sillage run scenes/cloud.toml --out runs/coarse --set fluid.domain.rectangle.cells=[40,120]
+  sillage resume runs/coarse
   sillage check scenes/cloud.toml
   sillage plan scenes/cloud.toml --out by-hand
   sillage run scenes/cloud.toml --record --out runs/cloud

@@ -35,9 +35,31 @@ pub struct RunArgs {
     /// Run folder; an earlier run in it is replaced (default: runs/SCENE-TIME)
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Also replace an earlier run that has not reached its end and could be resumed
+    #[arg(long, requires = "out")]
+    pub replace: bool,
     /// Record all that the processes exchange (default FILE: that of the scene, or exchange.mcap)
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
     pub record: Option<String>,
+    /// One JSON document on stdout at the end
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `resume`.
+#[derive(Debug, Args)]
+pub struct ResumeArgs {
+    /// Run folder
+    pub folder: PathBuf,
+    /// Set a key that may change on the way: run.end_time, checkpoint.*, limits.* (repeatable)
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<String>,
+    /// Go on from the checkpoint of this step, not from the newest
+    #[arg(long, value_name = "STEP")]
+    pub from: Option<u64>,
+    /// Threads each engine may use (default: as before)
+    #[arg(long, value_name = "N", value_parser = super::threads::parse)]
+    pub threads: Option<std::num::NonZeroUsize>,
     /// One JSON document on stdout at the end
     #[arg(long)]
     pub json: bool,

@@ -1,19 +1,20 @@
-//! `check`, `plan`, `run` and `doctor`.
+//! `check`, `plan`, `run`, `resume` and `doctor`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use run::folder::claim::{Claim, is_not_of_scene};
-use run::{Runner, Voice, fresh_folder, launch, tell};
+use run::folder::document;
+use run::{Outcome, Runner, Voice, fresh_folder, launch, tell, unfinished};
 use scene::document::Document;
 use scene::error::exit_code;
 use scene::mesh_survey::MeshSurvey;
 use scene::problem::Problems;
-use scene::{Error, Scene, plan};
+use scene::{Error, Scene, kept, plan};
 use serde_json::json;
 use show::picture::pictures;
 
 use super::examine;
-use crate::cli::scenes::{CheckArgs, DoctorArgs, PlanArgs, RunArgs};
+use crate::cli::scenes::{CheckArgs, DoctorArgs, PlanArgs, ResumeArgs, RunArgs};
 use crate::say;
 
 /// What a plan writes.
@@ -107,12 +108,62 @@ pub fn run(args: &RunArgs) -> Result<i32, Error> {
         scene.record_into(file)?;
     }
     let path = match &args.out {
-        Some(path) => path.clone(),
+        Some(path) if args.replace => path.clone(),
+        Some(path) => may_be_replaced(path)?,
         None => fresh_folder(&scene.name)?,
     };
     let outcome = Runner::new(Voice::Aloud, pictures)?.run(&scene, &path)?;
+    tell_ending(&outcome, args.json)
+}
+
+/// A folder without a run that could be resumed: days of computing are not replaced by the way.
+fn may_be_replaced(path: &Path) -> Result<PathBuf, Error> {
+    let place = path.display();
+    match unfinished(path) {
+        None => Ok(path.to_path_buf()),
+        Some(step) => Err(Error::Usage(format!(
+            "--out {place}: holds a run that has not reached its end: `sillage resume {place}` goes on with \
+             it from step {step}; --replace begins anew in its place"
+        ))),
+    }
+}
+
+/// Go on with a run.
+pub fn resume(args: &ResumeArgs) -> Result<i32, Error> {
+    let path = &args.folder;
+    let document = document::read(path)?;
+    let mut scene = kept::read(path, &document["scene"])?;
+    kept::set(&mut scene, &args.settings)?;
+    if let Some(threads) = args.threads {
+        let parts = &mut scene.coupler;
+        parts
+            .fluid
+            .iter_mut()
+            .for_each(|fluid| fluid.threads = threads.get());
+        let grains = parts.particles.iter_mut();
+        grains.for_each(|grains| grains.threads = threads.get());
+    }
+    launch::require_programs(&scene)?;
+    match Runner::new(Voice::Aloud, pictures)?.resume(&scene, path, args.from)? {
+        Some(outcome) => tell_ending(&outcome, args.json),
+        None => {
+            let time = &document["time_reached"];
+            match args.json {
+                true => say!("{document:#}")?,
+                false => say!(
+                    "{}: has reached its end, t = {time} s; with a later one it goes on: --set run.end_time=…",
+                    path.display()
+                )?,
+            }
+            Ok(exit_code::OK)
+        }
+    }
+}
+
+/// What came of a run.
+fn tell_ending(outcome: &Outcome, json: bool) -> Result<i32, Error> {
     let (ending, folder) = (&outcome.ending, outcome.folder.display());
-    let said = match args.json {
+    let said = match json {
         true => say!("{:#}", outcome.document),
         false => {
             let steps = &outcome.document["steps"];
@@ -121,6 +172,9 @@ pub fn run(args: &RunArgs) -> Result<i32, Error> {
     };
     if let Some(why) = &ending.why {
         tell!("sillage: {why}");
+    }
+    if let Some(way_on) = &outcome.way_on {
+        tell!("{way_on}");
     }
     // How the run ended counts more than a stdout that is full as well.
     match ending.code {

@@ -1,7 +1,7 @@
 //! The queue between the links of a run and the thread that writes: it never makes its caller wait, and
 //! numbers what passes.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -30,6 +30,8 @@ pub(crate) struct Raw {
 
 pub(crate) enum Item {
     Message(Raw),
+    /// Bring all before it to the disk, and tell whether that was done.
+    Settle(Sender<bool>),
     /// The run is over: its exit code, and where to tell the outcome.
     Finish(i32, Sender<Outcome>),
 }
@@ -61,6 +63,10 @@ pub(crate) struct Shared {
     pub(crate) waiting: AtomicUsize,
     /// Nothing is taken any more.
     pub(crate) over: AtomicBool,
+    /// What passes now is left out.
+    pub(crate) paused: AtomicBool,
+    /// Messages taken so far.
+    pub(crate) passed: AtomicU64,
     pub(crate) why: Mutex<Option<String>>,
     clock: Mutex<Clock>,
 }
@@ -126,6 +132,9 @@ impl Feed {
         size: usize,
         copy: impl FnOnce() -> Payload,
     ) {
+        if self.shared.paused.load(Ordering::Acquire) {
+            return;
+        }
         let key = lock(&self.shared.clock).next();
         if self.shared.over.load(Ordering::Acquire) {
             return;
@@ -142,6 +151,7 @@ impl Feed {
             return;
         }
         self.shared.waiting.fetch_add(size, Ordering::AcqRel);
+        self.shared.passed.fetch_add(1, Ordering::AcqRel);
         let raw = Raw {
             seat,
             kind,
@@ -163,6 +173,8 @@ impl Shared {
             limit,
             waiting: AtomicUsize::new(0),
             over: AtomicBool::new(false),
+            paused: AtomicBool::new(false),
+            passed: AtomicU64::new(0),
             why: Mutex::default(),
             clock: Mutex::default(),
         })

@@ -24,6 +24,15 @@ const CHUNK_SIZE: u64 = 1 << 20;
 /// Largest message \[bytes\]; readers refuse chunks above twice that.
 const MESSAGE_MAX: usize = 1 << 29;
 
+/// A message of another file.
+pub(crate) struct Copied {
+    pub(crate) seat: Role,
+    pub(crate) kind: Kind,
+    pub(crate) log_time: u64,
+    pub(crate) publish_time: u64,
+    pub(crate) bytes: Vec<u8>,
+}
+
 /// Where messages are written; every error is told in words.
 pub(crate) struct Output {
     writer: Writer<NoSeek<File>>,
@@ -165,6 +174,21 @@ impl Output {
             .map_err(words)?;
         self.channels.insert((seat as u8, kind), id);
         Ok(id)
+    }
+
+    /// A message of a link of an earlier recording, as it stands there.
+    pub(crate) fn copy(&mut self, message: &Copied) -> Result<(), String> {
+        let id = self.channel(message.seat, message.kind)?;
+        self.bytes.clone_from(&message.bytes);
+        self.put(id, message.log_time, message.publish_time)
+    }
+
+    /// Close the chunk, and wait until it is on the disk.
+    pub(crate) fn settle(&mut self) -> Result<(), String> {
+        self.flush()?;
+        self.file
+            .sync_data()
+            .map_err(|error| words(McapError::Io(error)))
     }
 
     /// Close the chunk.

@@ -11,6 +11,7 @@ use protocol::message::Role;
 
 use crate::begin::{Begin, Compression};
 use crate::error::RecordingError;
+use crate::reader::Reader;
 
 use super::feed::{Feed, Item, Outcome, Shared, lock};
 use super::file::{CHUNK_AGE, Output};
@@ -52,26 +53,80 @@ impl Recorder {
         options: Options,
         begin: &Begin,
     ) -> Result<Recorder, RecordingError> {
-        let unusable = |error| RecordingError::file("cannot write the recording", path, error);
-        let file = File::create(path).map_err(unusable)?;
+        let file = File::create(path).map_err(|error| unusable(path, error))?;
+        let (compression, dimension) = (options.compression, begin.scene.dimension);
+        let begin = json(path, begin)?;
+        let open = move || Output::create(file, compression, &begin, dimension);
+        Recorder::start(path, options, 0, open)
+    }
+
+    /// Go on with a recording from its first `messages` of the links; what came after is cut off. The file is
+    /// replaced in one move.
+    pub fn resume(
+        path: &Path,
+        options: Options,
+        begin: &Begin,
+        messages: u64,
+    ) -> Result<Recorder, RecordingError> {
+        let mut before = Reader::open(path)?;
+        let draft = path.with_extension("part");
+        let file = File::create(&draft).map_err(|error| unusable(&draft, error))?;
+        let told = |why: String| unusable(&draft, std::io::Error::other(why));
+        let dimension = begin.scene.dimension;
+        let output = Output::create(file, options.compression, &json(path, begin)?, dimension);
+        let mut output = output.map_err(told)?;
+        for number in 0..messages {
+            let Some(message) = before.next_copied()? else {
+                return Err(RecordingError::Short {
+                    path: path.to_path_buf(),
+                    messages: number,
+                    expected: messages,
+                });
+            };
+            output.copy(&message).map_err(told)?;
+        }
+        output.settle().map_err(told)?;
+        std::fs::rename(&draft, path).map_err(|error| unusable(path, error))?;
+        Recorder::start(path, options, messages, move || Ok(output))
+    }
+
+    /// The thread that writes, after `passed` messages.
+    fn start(
+        path: &Path,
+        options: Options,
+        passed: u64,
+        open: impl FnOnce() -> Result<Output, String> + Send + 'static,
+    ) -> Result<Recorder, RecordingError> {
         let (queue, items) = channel();
         let shared = Shared::with_room_for(options.queue);
-        let dimension = begin.scene.dimension;
-        let begin =
-            serde_json::to_vec(begin).map_err(|error| unusable(std::io::Error::other(error)))?;
+        shared.passed.store(passed, Ordering::Release);
         let theirs = std::sync::Arc::clone(&shared);
         std::thread::Builder::new()
             .name("recorder".to_owned())
-            .spawn(move || {
-                let output = Output::create(file, options.compression, &begin, dimension);
-                write(output, &items, &theirs);
-            })
-            .map_err(unusable)?;
+            .spawn(move || write(open(), &items, &theirs))
+            .map_err(|error| unusable(path, error))?;
         Ok(Recorder {
             path: path.to_path_buf(),
             patience: options.patience,
             feed: Feed { queue, shared },
         })
+    }
+
+    /// Messages of the links taken so far.
+    pub fn passed(&self) -> u64 {
+        self.feed.shared.passed.load(Ordering::Acquire)
+    }
+
+    /// Leave out what passes, or take it again.
+    pub fn pause(&self, paused: bool) {
+        self.feed.shared.paused.store(paused, Ordering::Release);
+    }
+
+    /// Wait until all that has passed is on the disk, but not for ever; false where it is not.
+    pub fn settle(&self) -> bool {
+        let (reply, settled) = channel();
+        let _ = self.feed.queue.send(Item::Settle(reply));
+        settled.recv_timeout(self.patience).unwrap_or(false)
     }
 
     /// The file.
@@ -120,6 +175,14 @@ impl Recorder {
     }
 }
 
+fn unusable(path: &Path, error: std::io::Error) -> RecordingError {
+    RecordingError::file("cannot write the recording", path, error)
+}
+
+fn json(path: &Path, begin: &Begin) -> Result<Vec<u8>, RecordingError> {
+    serde_json::to_vec(begin).map_err(|error| unusable(path, std::io::Error::other(error)))
+}
+
 /// Body of the thread: messages in the order they come, until the end of the run.
 fn write(mut output: Result<Output, String>, items: &Receiver<Item>, shared: &Shared) {
     if let Err(why) = &output {
@@ -137,6 +200,14 @@ fn write(mut output: Result<Output, String>, items: &Receiver<Item>, shared: &Sh
             (Ok(Item::Message(raw)), Err(_)) => {
                 shared.waiting.fetch_sub(raw.size, Ordering::AcqRel);
                 Ok(())
+            }
+            (Ok(Item::Settle(reply)), output) => {
+                let settled = match output {
+                    Ok(output) => output.settle(),
+                    Err(_) => Ok(()),
+                };
+                let _ = reply.send(output.is_ok() && settled.is_ok());
+                settled
             }
             (Err(RecvTimeoutError::Timeout), Ok(output)) => output.flush(),
             (Err(RecvTimeoutError::Timeout), Err(_)) => Ok(()),

@@ -23,6 +23,7 @@ pub fn begin(cells: usize) -> Begin {
     let scene = CouplerScene {
         end_time: 1.0,
         coupling_step: 0.01,
+        step_min: None,
         adaptive: None,
         dimension: 2,
         gravity: vec![0.0, -9.81],

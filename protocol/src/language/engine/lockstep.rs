@@ -57,7 +57,7 @@ pub(crate) fn serve<S: Seat>(seat: &mut S, link: Box<dyn Channel>) -> Result<(),
     }
 }
 
-/// One request; the engine's failure after anything but `Advance` is fatal.
+/// One request; the engine's failure after anything but `Advance` and `Save` is fatal.
 fn handle<S: Seat>(seat: &mut S, session: &mut Session, message: ToEngine) -> Result<(), Trouble> {
     match message {
         ToEngine::Configure(configure) => {
@@ -81,7 +81,7 @@ fn handle<S: Seat>(seat: &mut S, session: &mut Session, message: ToEngine) -> Re
             (session.committed, session.candidate) = (Some(step), None);
         }
         ToEngine::Save { path } => {
-            guarded(|| seat.save(Path::new(&path))).map_err(fatal)?;
+            guarded(|| seat.save(Path::new(&path)))?;
             session.send(&ToCoupler::Stored)?;
         }
         ToEngine::Restore { path } => {
@@ -120,8 +120,10 @@ fn withhold(session: &mut Session, fields: &[Field]) -> Result<(), Trouble> {
 
 /// The numbers of a `Remove`, in their order and of grains that there are.
 fn leaving(session: &Session, grains: &[u64]) -> Result<Vec<usize>, Trouble> {
-    if session.committed.is_none() || session.candidate.is_some() {
-        return Err(out_of_order("Remove without an accepted step".to_owned()));
+    if session.candidate.is_some() {
+        return Err(out_of_order(
+            "Remove while a candidate waits for its commit".to_owned(),
+        ));
     }
     let count = session.counts.grains as u64;
     let ascending = grains.is_sorted_by(|a, b| a < b);

@@ -27,6 +27,10 @@ pub struct CouplerScene {
     pub end_time: f64,
     /// Coupling step \[s\].
     pub coupling_step: f64,
+    /// A step that fails is halved down to this \[s\]; none: to 1/64 of the coupling step, or to the smallest
+    /// adaptive one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step_min: Option<f64>,
     /// Adaptive step, when asked for.
     pub adaptive: Option<AdaptiveStep>,
     /// g \[m/s²\].

@@ -1,0 +1,7 @@
+//! Runs that are resumed: the same bits as without an interruption, whatever ended them.
+
+mod damage;
+mod killed;
+mod kinds;
+mod same;
+mod words;
