@@ -10,6 +10,7 @@
 use std::path::Path;
 
 use protocol::checkpoints;
+use protocol::codec;
 use protocol::engine::MeshDescription;
 use protocol::message::Diagnostic;
 use protocol::scene::{CouplerScene, Limits, MeshSource};
@@ -67,7 +68,7 @@ where
     pub fn write(&self, folder: &Path) -> Result<(), CouplerError> {
         let path = folder.join(checkpoints::COUPLER);
         let mut bytes = [MAGIC, &[VERSION]].concat();
-        let content = bincode::serde::encode_to_vec(self, bincode::config::standard());
+        let content = codec::encode_file(self);
         bytes.extend(content.map_err(|error| unusable(&path, error.to_string()))?);
         std::fs::write(&path, bytes)
             .map_err(|error| unusable(&path, format!("cannot be written: {error}")))
@@ -172,15 +173,11 @@ fn decode<const D: usize>(bytes: &[u8]) -> Result<Kept<D>, String> {
             "its format is version {version}, this coupler reads {VERSION}: take the sillage that wrote it"
         ));
     }
-    let (kept, used) = bincode::serde::decode_from_slice(content, bincode::config::standard())
-        .map_err(|error| error.to_string())?;
-    match content.len() - used {
-        0 => Ok(kept),
-        extra => Err(format!("{extra} bytes too many")),
-    }
+    codec::decode_file(content).map_err(|error| error.to_string())
 }
 
-fn unusable(path: &Path, why: String) -> CouplerError {
+/// The error of a file or a folder of a checkpoint.
+pub fn unusable(path: &Path, why: String) -> CouplerError {
     CouplerError::Checkpoint {
         file: path.display().to_string(),
         why,

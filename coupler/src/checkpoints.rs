@@ -8,7 +8,7 @@ use protocol::checkpoints::draft;
 use protocol::message::{Capability, Diagnostic};
 use space::{Dim, Dimension};
 
-use crate::checkpoint::Kept;
+use crate::checkpoint::{Kept, unusable};
 use crate::clock::Memory;
 use crate::error::CouplerError;
 use crate::listener::Listener;
@@ -132,14 +132,12 @@ fn write<const D: usize, const N: usize>(
 where
     Dim<D>: Dimension<D>,
 {
-    let unusable = |error: std::io::Error| CouplerError::Checkpoint {
-        file: folder.display().to_string(),
-        why: format!("cannot be written: {error}"),
+    let made = match folder.exists() {
+        true => std::fs::remove_dir_all(folder),
+        false => Ok(()),
     };
-    if folder.exists() {
-        std::fs::remove_dir_all(folder).map_err(unusable)?;
-    }
-    std::fs::create_dir_all(folder).map_err(unusable)?;
+    made.and_then(|()| std::fs::create_dir_all(folder))
+        .map_err(|error| unusable(folder, format!("cannot be written: {error}")))?;
     for partner in simulation.system.partners() {
         let seat = partner.hello().role.seat();
         partner.save(&folder.join(seat))?;

@@ -12,7 +12,7 @@
 //! What a step does depends on what was computed and on nothing else: the same scene takes the same
 //! steps.
 
-use protocol::scene::{AdaptiveStep, CouplerScene};
+use protocol::scene::{AdaptiveStep, CouplerScene, is_over};
 use serde::{Deserialize, Serialize};
 
 /// An adaptive step may grow by this factor over the last one.
@@ -85,7 +85,7 @@ impl Clock {
 
     /// Is the run over at this time?
     pub fn is_over(&self, time: f64) -> bool {
-        time >= self.end_time * (1.0 - 1e-12)
+        is_over(time, self.end_time)
     }
 
     /// Share of the run that is done.

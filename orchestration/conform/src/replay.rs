@@ -63,8 +63,8 @@ pub fn replay(reader: &mut Reader, role: Role, engine: Option<&str>) -> Result<R
         )));
     }
     let (limits, mut progress) = (scene.limits, Progress::new(scene.end_time));
-    let runspace = RunSpace::create().map_err(failed)?;
-    let folder = runspace.folder("replay").map_err(failed)?;
+    let runspace = RunSpace::create()?;
+    let folder = runspace.folder("replay")?;
     let interrupts = Interrupts::count()?;
     let engine = Engine::start(role, engine, &folder, &runspace, &interrupts)?;
     // A link that was opened before the engine could be is closed before the engine is reaped.
@@ -110,16 +110,9 @@ fn judged(
                     run::tell!("    {line}");
                 }
             }
-            failed(error)
+            error.into()
         }
     })
-}
-
-fn failed(error: protocol::Error) -> Error {
-    Error::Run {
-        code: error.exit_code(),
-        why: error.to_string(),
-    }
 }
 
 /// The engine's process, and the thread that notices its end.

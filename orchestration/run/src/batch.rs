@@ -9,6 +9,7 @@ use scene::error::{Error, exit_code};
 use serde_json::{Value, json};
 
 use crate::file;
+use crate::folder::document;
 use crate::run::Runner;
 
 /// A run that is over.
@@ -32,8 +33,7 @@ pub fn known(place: &Path, mark: &Value) -> Option<Done> {
     if point["mark"] != *mark {
         return None;
     }
-    let text = std::fs::read_to_string(place.join("run.json")).unwrap_or_default();
-    let document = serde_json::from_str(&text).unwrap_or(Value::Null);
+    let document = document::read(place).unwrap_or(Value::Null);
     Some(Done { point, document })
 }
 
@@ -45,7 +45,7 @@ pub fn one(
     runner: &Runner,
 ) -> Result<Option<Done>, Error> {
     if place.join("point.json").is_file() {
-        std::fs::remove_dir_all(place).map_err(Error::file("cannot remove", place))?;
+        file::remove(place)?;
     }
     // A run of many is begun again where it was not finished.
     let mut scene = scene.clone();

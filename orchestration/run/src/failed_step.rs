@@ -34,8 +34,8 @@ pub fn record(
         ..Record::default()
     });
     let (begun, before) = (Instant::now(), interrupts.so_far());
-    let runspace = RunSpace::create().map_err(transport)?;
-    let mut monitor = MonitorReceiver::create(&runspace).map_err(transport)?;
+    let runspace = RunSpace::create()?;
+    let mut monitor = MonitorReceiver::create(&runspace)?;
     let from = From::CheckpointAnew(checkpoint);
     let mut processes = launch::launch(&scene, folder, from, &runspace)?;
     let mut connected = true;
@@ -59,11 +59,4 @@ pub fn record(
     drop(monitor);
     let _ = runspace.sweep();
     Ok(folder.join(FILE).is_file())
-}
-
-fn transport(error: protocol::error::Error) -> Error {
-    Error::Run {
-        code: error.exit_code(),
-        why: error.to_string(),
-    }
 }

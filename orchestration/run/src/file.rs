@@ -17,6 +17,16 @@ pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Error> {
     })
 }
 
+/// Remove a file, or a folder with all that is in it; nothing where there is none.
+pub fn remove(path: &Path) -> Result<(), Error> {
+    let removed = match path.symlink_metadata() {
+        Err(_) => return Ok(()),
+        Ok(about) if about.is_dir() => std::fs::remove_dir_all(path),
+        Ok(_) => std::fs::remove_file(path),
+    };
+    removed.map_err(Error::file("cannot remove", path))
+}
+
 /// Wait until a file or a folder is on the disk.
 pub fn sync(path: &Path) -> Result<(), Error> {
     let synced = File::open(path).and_then(|file| file.sync_all());

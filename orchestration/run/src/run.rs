@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use protocol::monitor::MonitorReceiver;
 use protocol::runspace::RunSpace;
+use protocol::scene::is_over;
 use scene::error::{Error, exit_code};
 use scene::{Scene, plan};
 use serde_json::{Value, json};
@@ -119,7 +120,7 @@ impl Runner {
             return self.run(scene, path).map(Some);
         };
         let Checkpoint { step, time, .. } = checkpoint;
-        if time >= scene.coupler.end_time * (1.0 - 1e-12) {
+        if is_over(time, scene.coupler.end_time) {
             return Ok(None);
         }
         let mut pictures = (self.pictures)(scene, path);
@@ -252,8 +253,8 @@ impl Runner {
         writer: &Writer,
         used: &mut Used,
     ) -> Result<Verdict, Error> {
-        let runspace = RunSpace::create().map_err(transport)?;
-        let monitor = MonitorReceiver::create(&runspace).map_err(transport)?;
+        let runspace = RunSpace::create()?;
+        let monitor = MonitorReceiver::create(&runspace)?;
         let from = resumed.map_or(From::Start, |checkpoint| {
             From::Checkpoint(&checkpoint.folder)
         });
@@ -300,13 +301,6 @@ impl Runner {
             tracing::warn!("{error}");
         }
         Ok(verdict)
-    }
-}
-
-fn transport(error: protocol::error::Error) -> Error {
-    Error::Run {
-        code: error.exit_code(),
-        why: error.to_string(),
     }
 }
 

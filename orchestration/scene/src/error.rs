@@ -88,6 +88,16 @@ pub enum Error {
     },
 }
 
+/// What a run, or what is left of one, cannot do is told as the end of a run.
+impl From<protocol::Error> for Error {
+    fn from(error: protocol::Error) -> Error {
+        Error::Run {
+            code: error.exit_code(),
+            why: error.to_string(),
+        }
+    }
+}
+
 impl Error {
     /// The exit code of the process.
     pub fn exit_code(&self) -> i32 {

@@ -1,5 +1,6 @@
 //! Control messages as bytes: bincode 2, standard configuration (little endian, variable-length
-//! integers), at most [`LIMIT`] bytes in both directions, nothing after the message.
+//! integers), at most [`LIMIT`] bytes in both directions, nothing after the message. What is kept in files is
+//! written alike, without a limit.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -53,13 +54,29 @@ pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, CodecError> {
             length: bytes.len(),
         });
     }
-    let (message, length) = bincode::serde::decode_from_slice(bytes, configuration())
+    whole(bytes, configuration())
+}
+
+/// The bytes of what is kept in a file, as long as it is.
+pub fn encode_file<T: Serialize>(content: &T) -> Result<Vec<u8>, CodecError> {
+    bincode::serde::encode_to_vec(content, bincode::config::standard())
+        .map_err(|error| CodecError::Malformed(error.to_string()))
+}
+
+/// The content of such a file.
+pub fn decode_file<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, CodecError> {
+    whole(bytes, bincode::config::standard())
+}
+
+/// What is in these bytes, which must end where it ends.
+fn whole<T: DeserializeOwned>(
+    bytes: &[u8],
+    by: impl bincode::config::Config,
+) -> Result<T, CodecError> {
+    let (content, length) = bincode::serde::decode_from_slice(bytes, by)
         .map_err(|error| CodecError::Malformed(error.to_string()))?;
-    if length != bytes.len() {
-        return Err(CodecError::Trailing {
-            length,
-            extra: bytes.len() - length,
-        });
+    match bytes.len() - length {
+        0 => Ok(content),
+        extra => Err(CodecError::Trailing { length, extra }),
     }
-    Ok(message)
 }

@@ -109,11 +109,7 @@ const THERE: &str = "there";
 /// The process that dies: makes a run, says its variables on stdout, brings the engine into the
 /// state, says so, and waits to be killed.
 pub fn play_coupler(case: &Case, state: State) -> Result<(), Error> {
-    let trouble = |error: protocol::Error| Error::Run {
-        code: error.exit_code(),
-        why: error.to_string(),
-    };
-    let runspace = RunSpace::create().map_err(trouble)?;
+    let runspace = RunSpace::create()?;
     for (name, value) in runspace.to_environment() {
         say(&format!("{name}={value}"))?;
     }
@@ -123,7 +119,7 @@ pub fn play_coupler(case: &Case, state: State) -> Result<(), Error> {
             wait_for_seat(case, &runspace)?;
             None
         }
-        _ => Some(bring(case, state, &runspace).map_err(trouble)?),
+        _ => Some(bring(case, state, &runspace)?),
     };
     say(THERE)?;
     std::thread::sleep(case.patience());

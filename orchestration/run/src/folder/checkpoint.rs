@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::outputs::Outputs;
-use crate::file::{self, sync};
+use crate::file::{self, remove, sync};
 use crate::version;
 
 /// Layout of a checkpoint.
@@ -259,11 +259,4 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
     files.sort();
     Ok(files)
-}
-
-fn remove(folder: &Path) -> Result<(), Error> {
-    match folder.exists() {
-        true => std::fs::remove_dir_all(folder).map_err(Error::file("cannot remove", folder)),
-        false => Ok(()),
-    }
 }

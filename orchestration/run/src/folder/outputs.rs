@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use protocol::codec;
 use scene::Error;
 use serde::{Deserialize, Serialize};
 
@@ -45,18 +46,13 @@ pub struct Resumption {
 
 impl Outputs {
     pub(super) fn write(&self, path: &Path) -> Result<(), Error> {
-        let content = bincode::serde::encode_to_vec(self, bincode::config::standard());
-        let content = content.map_err(|error| Error::Usage(error.to_string()))?;
+        let content = codec::encode_file(self).map_err(|error| Error::Usage(error.to_string()))?;
         std::fs::write(path, [MAGIC, &content].concat()).map_err(Error::file("cannot write", path))
     }
 
     pub(super) fn read(path: &Path) -> Result<Outputs, String> {
         let bytes = std::fs::read(path).map_err(|error| format!("cannot be read: {error}"))?;
         let content = bytes.strip_prefix(MAGIC).ok_or("not outputs of a run")?;
-        let read = bincode::serde::decode_from_slice(content, bincode::config::standard());
-        match read.map_err(|error| error.to_string())? {
-            (outputs, used) if used == content.len() => Ok(outputs),
-            (_, used) => Err(format!("{} bytes too many", content.len() - used)),
-        }
+        codec::decode_file(content).map_err(|error| error.to_string())
     }
 }

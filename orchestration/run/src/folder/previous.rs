@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use scene::Error;
 
 use super::recorded;
+use crate::file::remove;
 
 /// What a run writes to its folder, beside its recording.
 const WRITTEN: [&str; 15] = [
@@ -116,15 +117,6 @@ fn rename(from: &Path, to: &Path) -> Result<(), Error> {
         make(parent)?;
     }
     std::fs::rename(from, to).map_err(Error::file("cannot move", from))
-}
-
-fn remove(path: &Path) -> Result<(), Error> {
-    let removed = match path.symlink_metadata() {
-        Err(_) => return Ok(()),
-        Ok(about) if about.is_dir() => std::fs::remove_dir_all(path),
-        Ok(_) => std::fs::remove_file(path),
-    };
-    removed.map_err(Error::file("cannot remove", path))
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use run::disk::Disk;
 use run::folder::draw::Draw;
 use run::vtu::mesh::Mesh;
 use run::vtu::read as vtu;
+use run::vtu::write::Entries;
 use scene::{Error, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -150,7 +151,11 @@ impl Drawing {
         );
         if let Some(Kept { window, shown, .. }) = self.kept.take() {
             stage.window = window.unwrap_or(stage.window);
-            self.album = Album::again(shown, |number| kept_state(&self.folder, nodes, number))?;
+            let lists = ["fluid.pvd", "grains.pvd"].map(|list| vtu::list(&self.folder.join(list)));
+            let [fluid, grains] = lists;
+            let lists = [fluid?, grains?];
+            let state = |number| kept_state(&self.folder, &lists, nodes, number);
+            self.album = Album::again(shown, state)?;
         }
         self.stage = Some(stage);
         Ok(())
@@ -174,23 +179,27 @@ impl Drawing {
 }
 
 /// A state as it was put out, on so many nodes: the first points of its file. What that lacks is not drawn.
-fn kept_state(folder: &Path, nodes: usize, number: usize) -> Result<State, Error> {
-    let read = |list: &str| -> Result<Option<(f64, vtu::State)>, Error> {
-        let entries = vtu::list(&folder.join(list))?;
-        let Some((time, file)) = entries.into_iter().nth(number) else {
+fn kept_state(
+    folder: &Path,
+    [fluid, grains]: &[Entries; 2],
+    nodes: usize,
+    number: usize,
+) -> Result<State, Error> {
+    let read = |list: &Entries| -> Result<Option<(f64, vtu::State)>, Error> {
+        let Some((time, file)) = list.get(number) else {
             return Ok(None);
         };
-        Ok(Some((time, vtu::State::read(&folder.join(file))?)))
+        Ok(Some((*time, vtu::State::read(&folder.join(file))?)))
     };
     let single = |pair: [f64; 2]| pair.map(|component| component as f32);
     let mut state = State::default();
-    if let Some((time, fluid)) = read("fluid.pvd")? {
+    if let Some((time, fluid)) = read(fluid)? {
         state.time = time;
         let velocity = fluid.vectors::<2>(Field::InterstitialVelocity.name())?;
         let velocity = velocity.unwrap_or_default().into_iter();
         state.fluid_velocity = velocity.take(nodes).map(single).collect();
     }
-    if let Some((time, grains)) = read("grains.pvd")? {
+    if let Some((time, grains)) = read(grains)? {
         state.time = time;
         let position = grains.vectors::<2>("position")?.unwrap_or_default();
         state.grain_position = position.into_iter().map(single).collect();

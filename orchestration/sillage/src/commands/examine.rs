@@ -113,7 +113,7 @@ fn programs() -> Vec<Program> {
 
 fn leftovers(clean: bool) -> Result<Vec<Left>, Error> {
     let mut found = Vec::new();
-    for leftover in RunSpace::leftovers().map_err(transport)? {
+    for leftover in RunSpace::leftovers()? {
         let swept = clean.then(|| leftover.sweep());
         let removed = matches!(swept, Some(Ok(_)));
         let trouble = swept.and_then(Result::err).map(|error| error.to_string());
@@ -129,19 +129,12 @@ fn leftovers(clean: bool) -> Result<Vec<Left>, Error> {
 }
 
 fn others() -> Result<Vec<Other>, Error> {
-    let others = RunSpace::of_others().map_err(transport)?.into_iter();
+    let others = RunSpace::of_others()?.into_iter();
     let others = others.map(|other| Other {
         run: other.id,
         user: other.user,
     });
     Ok(others.collect())
-}
-
-fn transport(error: protocol::error::Error) -> Error {
-    Error::Run {
-        code: error.exit_code(),
-        why: error.to_string(),
-    }
 }
 
 fn problems(findings: &Findings) -> Vec<String> {

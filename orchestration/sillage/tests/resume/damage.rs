@@ -4,8 +4,8 @@ use std::path::Path;
 
 use protocol::checkpoints::{FOLDER, complete};
 
-use crate::background::{Run, report, root, sillage, small_cloud};
-use crate::resume::same::{assert_same, copy, kept, run};
+use crate::background::{Run, report, root, small_cloud};
+use crate::resume::same::{assert_same, copy, kept, resume, run};
 
 /// A run with checkpoints after the steps 2, 4, …, 10.
 fn done(place: &Path) -> std::path::PathBuf {
@@ -14,11 +14,6 @@ fn done(place: &Path) -> std::path::PathBuf {
     let settings = ["run.end_time=0.01", "output.every=0.003"].map(str::to_owned);
     run(&scene.to_string_lossy(), &settings, 2, &folder);
     folder
-}
-
-fn resume(folder: &Path, more: &[&str]) -> (Option<i32>, String, String) {
-    let out = folder.to_str().expect("UTF-8");
-    sillage(&[&["resume", out][..], more].concat())
 }
 
 #[test]

@@ -7,8 +7,8 @@ use std::time::Duration;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 
-use crate::background::{Run, sillage, small_cloud};
-use crate::resume::same::{assert_same, kept};
+use crate::background::{Run, Schedule, small_cloud};
+use crate::resume::same::{assert_same, kept, resume};
 
 const END_TIME: f64 = 0.3;
 const VICTIMS: [&str; 6] = [
@@ -57,8 +57,7 @@ fn disturb(victim: &str, steps: usize, pause: Duration) -> tempfile::TempDir {
 /// Resume the run: then it is the undisturbed one. From which step; none where it had not begun.
 fn goes_on(undisturbed: &Path, folder: &Path) -> Option<u64> {
     let from = kept(folder).pop();
-    let out = folder.to_str().expect("UTF-8");
-    let (code, said, words) = sillage(&["resume", out, "--threads", "1"]);
+    let (code, said, words) = resume(folder, &["--threads", "1"]);
     if code == Some(2) && !folder.join("steps.csv").exists() {
         return None;
     }
@@ -73,9 +72,8 @@ fn trials(seeds: std::ops::Range<u64>) {
     assert_eq!(code, Some(0), "{words}");
     for seed in seeds {
         let victim = VICTIMS[seed as usize % VICTIMS.len()];
-        // numbers that look random and are the same each time
-        let mixed = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
-        let (steps, pause) = (mixed % 30, Duration::from_micros(mixed / 7 % 20_000));
+        let mut drawn = Schedule(seed);
+        let (steps, pause) = (drawn.below(30), Duration::from_micros(drawn.below(20_000)));
         let folder = disturb(victim, steps as usize, pause);
         let from = goes_on(undisturbed.path(), folder.path());
         let from = from.map_or("not begun".to_owned(), |step| {

@@ -93,11 +93,15 @@ pub fn resumed_from(done: &Path, step: u64, threads: u32) -> usize {
     let copied = place.path().join("run");
     copy(done, &copied);
     let (step, threads) = (step.to_string(), threads.to_string());
-    let out = copied.to_str().expect("UTF-8");
-    let arguments = ["resume", out, "--from", &step, "--threads", &threads];
-    let (code, said, words) = sillage(&arguments);
+    let (code, said, words) = resume(&copied, &["--from", &step, "--threads", &threads]);
     assert_eq!(code, Some(0), "{said} {words}");
     assert_same(done, &copied)
+}
+
+/// `sillage resume` of a run folder: exit code, stdout, stderr.
+pub fn resume(folder: &Path, more: &[&str]) -> (Option<i32>, String, String) {
+    let out = folder.to_str().expect("UTF-8");
+    sillage(&[&["resume", out][..], more].concat())
 }
 
 /// Steps that have a checkpoint.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::background::{report, root, sillage, small_cloud};
-use crate::resume::same::{kept, run};
+use crate::resume::same::{kept, resume, run};
 
 fn scene() -> String {
     let path = root().join("scenes/one-grain.toml");
@@ -12,11 +12,6 @@ fn scene() -> String {
 
 fn short(folder: &Path) {
     run(&scene(), &["run.end_time=0.01".to_owned()], 4, folder);
-}
-
-fn resume(folder: &Path, more: &[&str]) -> (Option<i32>, String, String) {
-    let out = folder.to_str().expect("UTF-8");
-    sillage(&[&["resume", out][..], more].concat())
 }
 
 #[test]

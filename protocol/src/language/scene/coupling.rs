@@ -65,6 +65,11 @@ pub struct CouplerScene {
     pub limits: Limits,
 }
 
+/// Has a run until `end_time` reached its end at this time \[s\]? Sums of steps miss it by round-off.
+pub fn is_over(time: f64, end_time: f64) -> bool {
+    time >= end_time * (1.0 - 1e-12)
+}
+
 impl CouplerScene {
     /// Is the dimension the same throughout, and has every vector as many numbers? An error names what
     /// has not.

@@ -13,7 +13,7 @@ mod particles;
 pub use boundary::{Boundary, GrainBoundary, Profile};
 pub use convection::{CREEPING_REYNOLDS, Convection};
 pub use coupling::{
-    AdaptiveStep, CouplerScene, DragLaw, Geometry, LUMPED_RATIO_MAX, Limits, Scheme,
+    AdaptiveStep, CouplerScene, DragLaw, Geometry, LUMPED_RATIO_MAX, Limits, Scheme, is_over,
 };
 pub use door::fixed;
 pub use fluid::{Diagonals, FluidScene, MeshSource, Nonlinear, TimeScheme, ViscousForm};
