@@ -45,7 +45,17 @@ fn make(root: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// The same for a folder that is there.
+/// The same without making the folder of a run that is gone, or that goes meanwhile.
+pub(crate) fn lock_if_there(root: &Path) -> io::Result<Option<File>> {
+    match lock_existing(root) {
+        // Whoever made it was killed before it had a lock.
+        Err(error) if error.kind() == ErrorKind::NotFound && root.exists() => lock(root).map(Some),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        other => other.map(Some),
+    }
+}
+
+/// Lock a folder that is there.
 pub(crate) fn lock_existing(root: &Path) -> io::Result<File> {
     private::ours(root)?;
     let since = awake::now();

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::leftovers::survey;
-use super::lock::lock;
+use super::lock::lock_if_there;
 use super::names::root;
 use super::place::{SMALLEST, leave, preflight, remove_run};
 use super::{private, strays};
@@ -249,15 +249,16 @@ impl Leftover {
 fn clear(id: &str, living: impl FnOnce(&Path) -> BTreeMap<String, Member>) -> Result<usize, Error> {
     let root = root(id);
     let what = || format!("sweep of run {id}");
-    let _lock = match root.exists() {
-        true => Some(lock(&root).map_err(|e| Error::memory(what(), e))?),
-        false => None,
-    };
-    if let Some((seat, member)) = living(&root).into_iter().next() {
-        let why = format!("the {seat} (process {}) still runs", member.pid);
-        return Err(Error::memory(what(), why));
+    let lock = lock_if_there(&root).map_err(|e| Error::memory(what(), e))?;
+    // Without its folder a run is being removed, or was: whoever does so has ended what it started, may be
+    // a process of the run itself, and is not known to be one any more.
+    if lock.is_some() {
+        if let Some((seat, member)) = living(&root).into_iter().next() {
+            let why = format!("the {seat} (process {}) still runs", member.pid);
+            return Err(Error::memory(what(), why));
+        }
+        strays::end(id, &members::ever(&root));
     }
-    strays::end(id, &members::ever(&root));
     remove_run(id)
 }
 

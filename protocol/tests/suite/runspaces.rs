@@ -1,5 +1,6 @@
 use std::fs::DirBuilder;
 use std::os::unix::fs::DirBuilderExt;
+use std::process::Command;
 
 use protocol::runspace::RunSpace;
 
@@ -85,4 +86,25 @@ fn leftovers_of_a_dead_run_are_found_and_swept_and_living_runs_are_not() {
     assert!(left.bytes >= 5000);
     left.sweep().unwrap();
     assert!(files_of(&dead).is_empty());
+}
+
+#[test]
+fn a_process_that_is_removing_its_run_outlives_a_sweep_of_it() {
+    let run = format!("goes{}", std::process::id());
+    // As `leave` of the last process of a run puts it aside before it removes it.
+    let aside = format!("/dev/shm/.sillage-{run}.aside");
+    DirBuilder::new().mode(0o700).create(&aside).unwrap();
+    let mut last = Command::new("sleep")
+        .arg("60")
+        .envs([("SILLAGE_RUN", run.as_str()), ("SILLAGE_ORCHESTRATOR", "1")])
+        .spawn()
+        .unwrap();
+    let left = RunSpace::leftovers().unwrap();
+    let left = left.iter().find(|left| left.id == run).expect("listed");
+    left.sweep().unwrap();
+    assert!(files_of(&run).is_empty());
+    let ended = last.try_wait().unwrap();
+    last.kill().unwrap();
+    last.wait().unwrap();
+    assert_eq!(ended, None);
 }

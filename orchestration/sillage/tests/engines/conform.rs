@@ -108,7 +108,11 @@ fn each_fails_its_check(faults: &[&str]) {
                         why.unwrap_or_default()
                     );
                     if code != Some(1) || failed != [fault] {
-                        wrong.lock().expect("a list").push((fault, code, failed));
+                        let others = rows.iter().filter(|row| row["result"] == "failed");
+                        let whys: Vec<String> = others
+                            .map(|row| format!("{}: {}", row["check"], row["why"]))
+                            .collect();
+                        wrong.lock().expect("a list").push((fault, code, whys));
                     }
                 }
             });
