@@ -63,9 +63,19 @@ pub fn encode_file<T: Serialize>(content: &T) -> Result<Vec<u8>, CodecError> {
         .map_err(|error| CodecError::Malformed(error.to_string()))
 }
 
-/// The content of such a file.
+/// The content of such a file. Lengths that damaged bytes claim ask for no more memory than a multiple of the
+/// bytes that are there.
 pub fn decode_file<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, CodecError> {
-    whole(bytes, bincode::config::standard())
+    // A number takes 8 bytes at most, and one of the file at least. The library's limits are types.
+    let standard = bincode::config::standard;
+    match bytes.len().saturating_mul(8) {
+        ..=0x1_0000 => whole(bytes, standard().with_limit::<0x1_0000>()),
+        ..=0x10_0000 => whole(bytes, standard().with_limit::<0x10_0000>()),
+        ..=0x100_0000 => whole(bytes, standard().with_limit::<0x100_0000>()),
+        ..=0x1000_0000 => whole(bytes, standard().with_limit::<0x1000_0000>()),
+        ..=0x1_0000_0000 => whole(bytes, standard().with_limit::<0x1_0000_0000>()),
+        _ => whole(bytes, standard().with_limit::<0x100_0000_0000>()),
+    }
 }
 
 /// What is in these bytes, which must end where it ends.

@@ -1,4 +1,4 @@
-use protocol::codec::{CodecError, LIMIT, decode, encode};
+use protocol::codec::{CodecError, LIMIT, decode, decode_file, encode, encode_file};
 use protocol::field::Field;
 use protocol::message::{
     Advance, Configure, Diagnostic, Done, Failure, FailureKind, ToCoupler, ToEngine,
@@ -99,6 +99,31 @@ fn hostile_lengths_are_refused_without_allocating() {
         println!("length {length}: {result:?} in {:?}", began.elapsed());
         assert!(matches!(result, Err(CodecError::Malformed(_))));
         assert!(began.elapsed().as_millis() < 100);
+    }
+}
+
+#[test]
+fn a_file_is_read_at_any_length_and_its_lengths_are_not_believed() {
+    for count in [0, 1, 1000, 100_000, 1_000_000] {
+        // The most that a byte of a file can become: small numbers take one.
+        let content: (Vec<u64>, Vec<f64>) = (vec![1; count], vec![0.5; count / 10]);
+        let bytes = encode_file(&content).unwrap();
+        assert_eq!(decode_file::<(Vec<u64>, Vec<f64>)>(&bytes), Ok(content));
+    }
+    for length in [1_u64 << 60, 8 << 30, u64::MAX, 70_000] {
+        let mut bytes = vec![253];
+        bytes.extend(length.to_le_bytes());
+        bytes.extend([b'x'; 64]);
+        for result in [
+            decode_file::<String>(&bytes).map(drop),
+            decode_file::<Vec<f64>>(&bytes).map(drop),
+            decode_file::<Vec<u8>>(&bytes).map(drop),
+        ] {
+            assert!(
+                matches!(result, Err(CodecError::Malformed(_))),
+                "{result:?}"
+            );
+        }
     }
 }
 
