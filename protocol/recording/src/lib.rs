@@ -28,6 +28,7 @@ pub mod compare;
 pub mod diff;
 mod entry;
 mod error;
+mod lengths;
 mod reader;
 mod replay;
 mod summary;

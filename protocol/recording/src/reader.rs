@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use mcap::records::{Channel, MessageHeader, Record, op};
@@ -21,10 +21,15 @@ use protocol::message::Role;
 use crate::begin::{BEGIN, Begin, END, End, FORMAT, PROFILE};
 use crate::entry::{Body, Entry, Key, Kind, decode, parse_topic, to_numbers};
 use crate::error::RecordingError;
+use crate::lengths;
 use crate::write::file::Copied;
 
 /// Largest record or chunk that is read \[bytes\]; the writer keeps messages below half of it.
-const RECORD_MAX: usize = 1 << 30;
+const RECORD_MAX: u64 = 1 << 30;
+/// In a small file a smaller one: so many bytes, or so many times those of the file. A chunk is as large as the
+/// writer makes it, or holds one message, and numbers of a run do not compress much.
+const RECORD_IN_SMALL_FILE: u64 = 1 << 26;
+const COMPRESSION_MAX: u64 = 64;
 /// Bytes taken from the file at once: a length that is wrong cannot ask for much memory.
 const PIECE: usize = 1 << 16;
 
@@ -94,18 +99,20 @@ enum Found {
 impl Reader {
     /// Open a recording; its first message is read and its version checked.
     pub fn open(path: &Path) -> Result<Reader, RecordingError> {
-        let file = File::open(path)
-            .and_then(|file| match file.metadata()?.is_dir() {
-                true => Err(std::io::Error::from(std::io::ErrorKind::IsADirectory)),
-                false => Ok(file),
+        let (file, length) = File::open(path)
+            .and_then(|file| match file.metadata()? {
+                about if about.is_dir() => Err(ErrorKind::IsADirectory.into()),
+                about => Ok((file, about.len())),
             })
             .map_err(|error| RecordingError::file("cannot read the recording", path, error))?;
+        let most =
+            (COMPRESSION_MAX * length.min(RECORD_MAX)).clamp(RECORD_IN_SMALL_FILE, RECORD_MAX);
         let options = LinearReaderOptions::default()
             .with_prevalidate_chunk_crcs(true)
             .with_validate_data_section_crc(true)
             .with_validate_summary_section_crc(true)
             .with_check_finishes_after_end_magic(true)
-            .with_record_length_limit(RECORD_MAX);
+            .with_record_length_limit(most as usize);
         let mut input = BufReader::new(file);
         let mut linear = LinearReader::new_with_options(options);
         let mut topics = BTreeMap::new();
@@ -355,6 +362,10 @@ fn found(opcode: u8, data: &[u8], topics: &mut BTreeMap<u16, String>) -> McapRes
     // Others are not looked at: what they could say stands in messages, with a check sum.
     if !matches!(opcode, op::HEADER | op::CHANNEL | op::MESSAGE) {
         return Ok(Found::Nothing);
+    }
+    if !lengths::fit(opcode, data) {
+        let why = format!("record {opcode:#04x} has a text that is longer than itself");
+        return Err(std::io::Error::new(ErrorKind::InvalidData, why).into());
     }
     Ok(match mcap::parse_record(opcode, data)? {
         Record::Header(header) => Found::Header {
