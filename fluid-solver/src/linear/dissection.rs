@@ -4,7 +4,8 @@
 //! are its separator and are eliminated last. Each separator, and each piece too small to cut, is
 //! a *front*: its nodes are eliminated together. After George (1973). Among cuts near the middle
 //! the one with the smallest separator is taken; ties fall to the first, so the order is the same
-//! every time.
+//! every time. Where cells are so flat that a cut across the longest side meets many nodes, the other
+//! sides are tried too.
 
 use std::cmp::Ordering;
 
@@ -16,6 +17,10 @@ use super::pattern::Pattern;
 const PIECE: usize = 16;
 /// Where cuts are tried, as fractions of the sorted nodes.
 const CUTS: [f64; 7] = [0.5, 0.47, 0.53, 0.44, 0.56, 0.41, 0.59];
+
+/// A separator of this many times n^((D − 1)/D) of n nodes is a bad one; a cube has once as many, one that
+/// is periodic twice.
+const BAD: f64 = 2.0;
 
 /// A group of nodes that are eliminated together, with what that touches.
 #[derive(Debug, Clone, Default)]
@@ -64,16 +69,15 @@ impl<const D: usize, const N: usize> Cutter<'_, D, N> {
         if nodes.len() <= PIECE {
             return self.push(nodes, Vec::new(), first);
         }
-        self.sort(&mut nodes);
-        let (lower, upper) = self.best(&nodes);
-        let mut separator = self.separator(&nodes[..lower], &nodes[upper..]);
+        let middle = self.arrange(&mut nodes);
+        let mut separator = self.separator(&nodes[..middle], &nodes[middle..]);
         if separator.is_empty() {
             // Halves that do not touch: any node will do, and every front has a pivot.
-            separator.push(nodes[lower - 1]);
+            separator.push(nodes[middle - 1]);
         }
         let inside = |node: &usize| separator.binary_search(node).is_err();
-        let low: Vec<usize> = nodes[..lower].iter().copied().filter(inside).collect();
-        let high = nodes[upper..].to_vec();
+        let low: Vec<usize> = nodes[..middle].iter().copied().filter(inside).collect();
+        let high = nodes[middle..].to_vec();
         if low.is_empty() || high.is_empty() {
             return self.push(nodes, Vec::new(), first);
         }
@@ -91,8 +95,31 @@ impl<const D: usize, const N: usize> Cutter<'_, D, N> {
         self.fronts.len() - 1
     }
 
-    /// Sort along the longest side.
-    fn sort(&self, nodes: &mut [usize]) {
+    /// Sort the nodes along the side to cut; returns where.
+    fn arrange(&mut self, nodes: &mut [usize]) -> usize {
+        let along = self.longest(nodes);
+        self.sort(nodes, along);
+        let (mut least, mut middle) = self.best(nodes);
+        let count = nodes.len() as f64;
+        if least as f64 <= BAD * count.powf(1.0 - 1.0 / D as f64) {
+            return middle;
+        }
+        let (mut kept, mut sorted) = (along, along);
+        for other in (0..D).filter(|&axis| axis != along) {
+            self.sort(nodes, other);
+            sorted = other;
+            let (size, cut) = self.best(nodes);
+            if size < least {
+                (least, middle, kept) = (size, cut, other);
+            }
+        }
+        if sorted != kept {
+            self.sort(nodes, kept);
+        }
+        middle
+    }
+
+    fn longest(&self, nodes: &[usize]) -> usize {
         let extent = |d: usize| {
             let values = || nodes.iter().map(|&n| self.position[n][d]);
             values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
@@ -104,7 +131,10 @@ impl<const D: usize, const N: usize> Cutter<'_, D, N> {
                 along
             }
         };
-        let along = (1..D).fold(0, longer);
+        (1..D).fold(0, longer)
+    }
+
+    fn sort(&self, nodes: &mut [usize], along: usize) {
         nodes.sort_unstable_by(|&a, &b| {
             let (p, q) = (&self.position[a], &self.position[b]);
             let axes = (0..D).map(|k| (along + k) % D);
@@ -115,7 +145,7 @@ impl<const D: usize, const N: usize> Cutter<'_, D, N> {
         });
     }
 
-    /// Where the cut with the smallest separator lies (both numbers are that place).
+    /// Nodes of the smallest separator, and where its cut lies.
     fn best(&mut self, nodes: &[usize]) -> (usize, usize) {
         let place = |fraction: f64| ((nodes.len() as f64 * fraction) as usize).max(1);
         let mut best = (usize::MAX, 0);
@@ -125,7 +155,7 @@ impl<const D: usize, const N: usize> Cutter<'_, D, N> {
                 best = (size, cut);
             }
         }
-        (best.1, best.1)
+        best
     }
 
     /// Nodes of `low` with a neighbour in `high`, ascending.
@@ -219,6 +249,32 @@ mod tests {
             rectangle.periodic = [periodic; 2];
             let mesh = rectangle.mesh().unwrap();
             check(&mesh.simplices, &mesh.position);
+        }
+    }
+
+    /// Entries of the factors of one unknown a node.
+    fn fill(cells: [usize; 2], upper: [f64; 2]) -> usize {
+        let mesh = Rectangle::new([0.0; 2], upper, cells).mesh().unwrap();
+        let pattern = Pattern::new(mesh.node_count(), &mesh.simplices);
+        let fronts = fronts(&pattern, &mesh.position);
+        let of_front = |f: &Front| f.pivots.len() * (f.pivots.len() + 2 * f.boundary.len());
+        fronts.iter().map(of_front).sum()
+    }
+
+    #[test]
+    fn the_order_of_flat_cells_costs_what_that_of_square_ones_costs() {
+        for cells in [[10, 400], [400, 10], [60, 60]] {
+            let square = fill(cells, [cells[0] as f64, cells[1] as f64]);
+            for flat in [30.0, 183.0, 10000.0] {
+                let across = fill(cells, [cells[0] as f64 * flat, cells[1] as f64]);
+                let upright = fill(cells, [cells[0] as f64, cells[1] as f64 * flat]);
+                let ratio = across.max(upright) as f64 / square as f64;
+                println!("{cells:?} cells, {flat}: 1 at most: {ratio:.2}");
+                assert!(
+                    ratio < 1.6,
+                    "{cells:?}, {flat}: {across} {upright}, {square}"
+                );
+            }
         }
     }
 
