@@ -1,6 +1,7 @@
 //! When the state of a run is kept, and how: every process writes its part into a draft, which the
 //! orchestrator completes once all that was put out before is on the disk.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -132,16 +133,23 @@ fn write<const D: usize, const N: usize>(
 where
     Dim<D>: Dimension<D>,
 {
-    let made = match folder.exists() {
-        true => std::fs::remove_dir_all(folder),
-        false => Ok(()),
-    };
-    made.and_then(|()| std::fs::create_dir_all(folder))
-        .map_err(|error| unusable(folder, format!("cannot be written: {error}")))?;
+    begin(folder).map_err(|error| unusable(folder, format!("cannot be written: {error}")))?;
     for partner in simulation.system.partners() {
         let seat = partner.hello().role.seat();
         partner.save(&folder.join(seat))?;
     }
     let recorded = moment.recorded.filter(|_| recording.settle());
     Kept::of(simulation, moment.clock, totals, recorded).write(folder)
+}
+
+/// An empty folder for a draft. Where the folder of the run is gone, it is not made again.
+fn begin(draft: &Path) -> std::io::Result<()> {
+    if draft.exists() {
+        std::fs::remove_dir_all(draft)?;
+    }
+    match draft.parent().map(std::fs::create_dir) {
+        Some(Err(error)) if error.kind() != ErrorKind::AlreadyExists => return Err(error),
+        _ => {}
+    }
+    std::fs::create_dir(draft)
 }

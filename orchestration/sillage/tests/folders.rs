@@ -1,10 +1,11 @@
 //! What a run writes: on a disk that is full for a while, beside what others wrote, over an earlier run.
 
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
-use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process, prlimit};
+use rustix::process::{Pid, Resource, Rlimit, Signal, geteuid, kill_process, prlimit};
 
 use crate::background::{LEAVING_MAX, Run, need_programs, report, root, small_cloud};
 use crate::schema;
@@ -70,6 +71,84 @@ fn a_disk_that_is_full_for_two_seconds_costs_time_and_no_data() {
         ] {
             assert!(folder.path().join(&file).exists(), "{file}");
         }
+    }
+}
+
+#[test]
+fn a_folder_that_is_elsewhere_for_a_while_costs_time_and_no_data() {
+    let mut run = Run::start(&small_cloud(0.22));
+    run.wait_for_steps(4);
+    let (place, away) = (run.folder.path(), run.folder.path().with_extension("away"));
+    std::fs::rename(place, &away).expect("moved");
+    std::thread::sleep(Duration::from_secs(2));
+    assert!(!place.exists(), "made again");
+    std::fs::rename(&away, place).expect("moved");
+    let (code, words, _, folder) = run.finish();
+    println!("{words}");
+    assert_eq!(code, Some(0));
+    for part in [
+        "cannot write",
+        "steps.csv",
+        "No such file",
+        "nothing is lost",
+    ] {
+        assert!(words.contains(part), "{part}: {words}");
+    }
+    assert_eq!(report(folder.path())["steps"], 40);
+    let table = std::fs::read_to_string(folder.path().join("steps.csv")).expect("steps.csv");
+    assert_eq!(table.lines().count(), 41);
+    assert!(folder.path().join("vtu/fluid_0004.vtu").exists());
+}
+
+#[test]
+fn a_folder_that_is_read_only_for_a_while_costs_time_and_no_data() {
+    need_programs();
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut arguments = vec!["run".to_owned()];
+    arguments.extend(small_cloud(0.22));
+    arguments.extend(["--threads", "1", "--out"].map(str::to_owned));
+    schema::of_command(Path::new("."), &arguments);
+    // Root writes everywhere, unless it gives that up.
+    let mut command = Command::new("setpriv");
+    command.args(["--bounding-set", "-dac_override,-dac_read_search"]);
+    if !geteuid().is_root() {
+        command = Command::new("env");
+    }
+    let child = command
+        .arg(env!("CARGO_BIN_EXE_sillage"))
+        .args(&arguments)
+        .arg(folder.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn();
+    let Ok(child) = child else {
+        return println!("not tried: there is no setpriv");
+    };
+    let mut run = Run { child, folder };
+    run.wait_for_steps(4);
+    let places = ["", "vtu", "frames"].map(|name| run.folder.path().join(name));
+    let permit = |mode| {
+        let mode = std::fs::Permissions::from_mode(mode);
+        let changed = places
+            .iter()
+            .map(|place| std::fs::set_permissions(place, mode.clone()));
+        assert!(changed.into_iter().all(|done| done.is_ok()));
+    };
+    permit(0o500);
+    std::thread::sleep(Duration::from_secs(2));
+    let rows = run.rows();
+    permit(0o700);
+    let (code, words, _, folder) = run.finish();
+    println!("{rows} rows; {words}");
+    assert_eq!(code, Some(0));
+    assert!(rows < 40, "nothing was missing");
+    for part in ["cannot write", "Permission denied", "nothing is lost"] {
+        assert!(words.contains(part), "{part}: {words}");
+    }
+    assert_eq!(report(folder.path())["steps"], 40);
+    for number in 0..=4 {
+        let state = format!("vtu/fluid_{number:04}.vtu");
+        assert!(folder.path().join(&state).exists(), "{state}");
     }
 }
 

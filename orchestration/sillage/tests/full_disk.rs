@@ -1,4 +1,5 @@
-//! A disk that stays full: a file system of its own, of two megabytes, and somebody else who takes what is left.
+//! A disk that stays full: a file system of its own, of two megabytes, and somebody else who takes what is left;
+//! and a folder that is removed.
 
 use std::fs::File;
 use std::io::Write;
@@ -8,6 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use run::folder::Ending;
 use run::vtu::read::{self, State};
 use run::{Runner, Voice};
 use show::picture::pictures;
@@ -22,7 +24,8 @@ const NOT_MOUNTED: i32 = 77;
 #[test]
 fn a_disk_that_stays_full_ends_the_run_with_all_that_is_written_whole() {
     if let Some(disk) = std::env::var_os(DISK) {
-        return fill(Path::new(&disk));
+        fill(Path::new(&disk));
+        return vanish(Path::new(&disk));
     }
     need_programs();
     let place = tempfile::tempdir().expect("a folder");
@@ -54,8 +57,8 @@ fn a_disk_that_stays_full_ends_the_run_with_all_that_is_written_whole() {
     assert_eq!(output.status.code(), Some(0));
 }
 
-/// Run a cloud that puts out every step, in a folder on this disk.
-fn fill(disk: &Path) {
+/// Run a cloud that puts out every step, in a folder on this disk, beside somebody: how it ends.
+fn run_beside(disk: &Path, neighbour: fn(&Path, &AtomicBool)) -> Ending {
     let arguments = small_cloud(0.22);
     let settings = arguments[1..].iter().filter(|word| *word != "--set");
     let more = ["output.every=0.0055", "output.frames=false"].map(str::to_owned);
@@ -67,20 +70,53 @@ fn fill(disk: &Path) {
         patience: Duration::from_millis(300),
         ..runner
     };
-    let folder = disk.join("run");
     let over = Arc::new(AtomicBool::new(false));
     let neighbour = std::thread::spawn({
         let (over, disk) = (Arc::clone(&over), disk.to_path_buf());
-        move || take_the_rest(&disk, &over)
+        move || neighbour(&disk, &over)
     });
-    let outcome = runner.run(&scene, &folder);
+    let outcome = runner.run(&scene, &disk.join("run"));
     over.store(true, Ordering::SeqCst);
-    let taken = neighbour.join().expect("a neighbour");
-    println!("the neighbour took {taken} bytes");
-    let outcome = outcome.unwrap_or_else(|error| panic!("{error}"));
-    let why = outcome.ending.why.unwrap_or_default();
-    println!("exit {}: {why}", outcome.ending.code);
-    assert_eq!(outcome.ending.code, 4);
+    neighbour.join().expect("a neighbour");
+    let ending = outcome.unwrap_or_else(|error| panic!("{error}")).ending;
+    println!(
+        "exit {}: {}",
+        ending.code,
+        ending.why.as_deref().unwrap_or_default()
+    );
+    ending
+}
+
+fn rows(disk: &Path) -> usize {
+    let table = std::fs::read_to_string(disk.join("run/steps.csv")).unwrap_or_default();
+    table.lines().count()
+}
+
+/// The folder goes while steps are computed: the run does not compute for nobody.
+fn vanish(disk: &Path) {
+    std::fs::remove_file(disk.join("neighbour")).expect("removed");
+    std::fs::remove_dir_all(disk.join("run")).expect("removed");
+    let ending = run_beside(disk, |disk, over| {
+        while !over.load(Ordering::SeqCst) && rows(disk) <= 5 {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        while std::fs::rename(disk.join("run"), disk.join("gone")).is_err() {}
+    });
+    let why = ending.why.unwrap_or_default();
+    assert_eq!(ending.code, 4);
+    assert!(
+        why.contains("No such file") && why.contains("also after 0.3 s"),
+        "{why}"
+    );
+    assert!(!disk.join("run").exists(), "made again");
+}
+
+/// The disk is full from the fifth step on.
+fn fill(disk: &Path) {
+    let folder = disk.join("run");
+    let ending = run_beside(disk, take_the_rest);
+    let why = ending.why.unwrap_or_default();
+    assert_eq!(ending.code, 4);
     assert!(why.contains("No space left on device") && why.contains("also after 0.3 s"));
 
     let report = report(&folder);
@@ -100,18 +136,17 @@ fn fill(disk: &Path) {
     states_are_whole(&folder, report["time_reached"].as_f64().expect("a time"));
 }
 
-/// From the fifth step on, every block of the disk that is free; how many bytes.
-fn take_the_rest(disk: &Path, over: &AtomicBool) -> usize {
-    let rows = || std::fs::read_to_string(disk.join("run/steps.csv")).unwrap_or_default();
+/// From the fifth step on, every block of the disk that is free.
+fn take_the_rest(disk: &Path, over: &AtomicBool) {
     let mut file = File::create(disk.join("neighbour")).expect("a file");
     let mut taken = 0;
     while !over.load(Ordering::SeqCst) {
-        match rows().lines().count() > 5 {
+        match rows(disk) > 5 {
             true => taken += file.write(&[7; 4096]).unwrap_or(0),
             false => std::thread::sleep(Duration::from_millis(1)),
         }
     }
-    taken
+    println!("the neighbour took {taken} bytes");
 }
 
 /// Every state that is listed is there, and nothing that is not; the last is of the last step, or of the one

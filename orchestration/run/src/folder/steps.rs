@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::os::unix::fs::FileExt;
+use std::os::unix::fs::{FileExt, MetadataExt};
 use std::path::PathBuf;
 
 use protocol::message::Diagnostic;
@@ -142,6 +142,7 @@ impl Steps {
         text += &(row.join(",") + "\n");
         // In one piece: whoever looks at a running computation sees whole rows.
         disk.attempt(|| {
+            self.require_place()?;
             let written = self.file.write_all_at(text.as_bytes(), self.table.length);
             written.map_err(|error| {
                 // Half a row must not stay.
@@ -156,6 +157,18 @@ impl Steps {
 }
 
 impl Steps {
+    /// Is the table still where it was made? What is written to a file that was removed is lost without a word.
+    fn require_place(&self) -> Result<(), Error> {
+        let refuse = Error::file("cannot write", &self.path);
+        let same = std::fs::symlink_metadata(&self.path)
+            .and_then(|there| Ok(there.ino() == self.file.metadata()?.ino()));
+        match same {
+            Ok(true) => Ok(()),
+            Ok(false) => Err(refuse(std::io::Error::other("another file has its place"))),
+            Err(error) => Err(refuse(error)),
+        }
+    }
+
     /// `steps.units.csv`: column and unit; "–" where there is none, nothing where only the engine knows.
     fn write_units(&self, disk: &Disk) -> Result<(), Error> {
         let unit = |name: &String| {
