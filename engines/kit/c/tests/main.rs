@@ -55,12 +55,33 @@ fn text(output: &Output) -> String {
     String::from_utf8_lossy(out).into_owned() + &String::from_utf8_lossy(err)
 }
 
-/// Compile a C file against the header and the library.
+/// What the compiler adds to find reads and writes that go astray, and what the language does not define.
+const SANITIZERS: [&str; 3] = [
+    "-fsanitize=address,undefined",
+    "-fno-sanitize-recover=all",
+    "-fno-omit-frame-pointer",
+];
+
+/// The name of an engine lives as long as its process, and so does what an engine leaves to its end: no leaks.
+const NO_LEAKS: (&str, &str) = ("ASAN_OPTIONS", "detect_leaks=0");
+
+/// Compile a C file against the header and the library, with sanitizers where the compiler has them.
 fn compile(source: &str, folder: &Path) -> PathBuf {
     need_programs();
-    let compiler = std::env::var("CC").unwrap_or_else(|_| "gcc".to_owned());
     let program = folder.join(Path::new(source).file_stem().expect("a name"));
-    let output = Command::new(&compiler)
+    let output = compile_with(&SANITIZERS, source, &program);
+    if output.status.success() {
+        return program;
+    }
+    println!("without sanitizers: {}", text(&output));
+    let output = compile_with(&[], source, &program);
+    assert!(output.status.success(), "{source}: {}", text(&output));
+    program
+}
+
+fn compile_with(more: &[&str], source: &str, program: &Path) -> Output {
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "gcc".to_owned());
+    Command::new(&compiler)
         .args([
             "-std=c11",
             "-O2",
@@ -70,6 +91,7 @@ fn compile(source: &str, folder: &Path) -> PathBuf {
             "-Wconversion",
             "-Werror",
         ])
+        .args(more)
         .arg("-I")
         .arg(kit().join("include"))
         .arg(kit().join(source))
@@ -78,15 +100,15 @@ fn compile(source: &str, folder: &Path) -> PathBuf {
         .args(["-lsillage_engine", "-lpthread"])
         .arg(format!("-Wl,-rpath,{}", library().display()))
         .arg("-o")
-        .arg(&program)
+        .arg(program)
         .output()
-        .unwrap_or_else(|error| panic!("{compiler} cannot be started (set CC): {error}"));
-    assert!(output.status.success(), "{source}: {}", text(&output));
-    program
+        .unwrap_or_else(|error| panic!("{compiler} cannot be started (set CC): {error}"))
 }
 
 fn sillage() -> Command {
-    Command::new(programs().join("sillage"))
+    let mut command = Command::new(programs().join("sillage"));
+    command.env(NO_LEAKS.0, NO_LEAKS.1);
+    command
 }
 
 /// The numbers of the fields that an engine meets in `advance`, from the table of the protocol.
@@ -150,6 +172,7 @@ fn the_header_is_what_cbindgen_writes() {
 fn wrong_calls_are_refused_in_words() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = Command::new(compile("tests/misuse.c", folder.path()))
+        .env(NO_LEAKS.0, NO_LEAKS.1)
         .output()
         .expect("started");
     println!("{}", text(&output));
