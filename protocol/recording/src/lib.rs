@@ -24,6 +24,7 @@
 //! killed run can be read up to its last whole chunk.
 
 mod begin;
+mod chunks;
 pub mod compare;
 pub mod diff;
 mod entry;

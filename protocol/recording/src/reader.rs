@@ -19,6 +19,7 @@ use protocol::header::FieldHeader;
 use protocol::message::Role;
 
 use crate::begin::{BEGIN, Begin, END, End, FORMAT, PROFILE};
+use crate::chunks;
 use crate::entry::{Body, Entry, Key, Kind, decode, parse_topic, to_numbers};
 use crate::error::RecordingError;
 use crate::lengths;
@@ -105,6 +106,15 @@ impl Reader {
                 about => Ok((file, about.len())),
             })
             .map_err(|error| RecordingError::file("cannot read the recording", path, error))?;
+        let unchecked = chunks::unchecked(&file)
+            .map_err(|error| RecordingError::file("cannot read the recording", path, error))?;
+        if let Some(place) = unchecked {
+            return Err(RecordingError::Damaged {
+                path: path.to_path_buf(),
+                place: format!("at byte {place}"),
+                why: "the chunk there has no check sum".to_owned(),
+            });
+        }
         let most =
             (COMPRESSION_MAX * length.min(RECORD_MAX)).clamp(RECORD_IN_SMALL_FILE, RECORD_MAX);
         let options = LinearReaderOptions::default()

@@ -71,6 +71,25 @@ fn a_flipped_bit_anywhere_is_an_error_or_the_end_of_what_is_used() {
 }
 
 #[test]
+fn a_chunk_without_a_check_sum_is_refused() {
+    const CHUNK: u8 = 6;
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("toy.mcap");
+    record(&path, Options::default(), 3);
+    let mut bytes = std::fs::read(&path).expect("bytes");
+    // Magic, then the header: kind, length, content.
+    let length = u64::from_le_bytes(bytes[9..17].try_into().expect("eight"));
+    let chunk = 17 + length as usize;
+    assert_eq!(bytes[chunk], CHUNK);
+    bytes[chunk + 9 + 24..][..4].fill(0);
+    std::fs::write(&path, &bytes).expect("written");
+    let words = try_read(&path).expect_err("refused").to_string();
+    println!("{words}");
+    let expected = format!("is damaged at byte {chunk}: the chunk there has no check sum");
+    assert!(words.contains(&expected), "{words}");
+}
+
+#[test]
 fn what_was_overwritten_anywhere_is_never_taken_for_what_was_recorded() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("toy.mcap");
