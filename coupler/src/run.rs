@@ -311,7 +311,8 @@ fn may_be_halved(error: &CouplerError) -> bool {
         | CouplerError::Porosity { .. }
         | CouplerError::GrainOutside { .. }
         | CouplerError::NotFinite { .. }
-        | CouplerError::Unbalanced { .. } => true,
+        | CouplerError::Unbalanced { .. }
+        | CouplerError::Protocol(Error::NotFinite { .. }) => true,
         CouplerError::Protocol(Error::Engine { failure, .. }) => matches!(
             failure.kind,
             FailureKind::NotConverged | FailureKind::NotFinite

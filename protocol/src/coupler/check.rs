@@ -64,9 +64,6 @@ pub(crate) fn check_done(
     if (role == Role::Fluid) != matches!(done.report, Report::Fluid(_)) {
         return invalid("its report is that of another seat".to_owned());
     }
-    if let Some((name, value)) = done.report.not_finite() {
-        return invalid(format!("{name} is {value}"));
-    }
     if (done.step, done.pass) != (step, pass) {
         return invalid(format!(
             "step {} pass {}, expected {} and {}",
@@ -84,9 +81,20 @@ pub(crate) fn check_done(
             return invalid(format!("it lists {} twice", field.name()));
         }
     }
-    match done.diagnostics.iter().find(|d| !d.value.is_finite()) {
-        Some(bad) => invalid(format!("the diagnostic {} is {}", bad.name, bad.value)),
+    Ok(())
+}
+
+/// What it reports must be finite; otherwise the candidate failed, as if the engine had said so.
+pub(crate) fn require_finite_report(who: &str, step: u64, done: &Done) -> Result<(), Error> {
+    let told = done.diagnostics.iter().find(|d| !d.value.is_finite());
+    let told = told.map(|d| (d.name.as_str(), d.value));
+    match done.report.not_finite().or(told) {
         None => Ok(()),
+        Some((name, value)) => Err(Error::Engine {
+            who: who.to_owned(),
+            step,
+            failure: Failure::new(FailureKind::NotFinite, format!("its {name} is {value}")),
+        }),
     }
 }
 

@@ -17,7 +17,9 @@ use crate::run::runspace::RunSpace;
 use crate::transport::channel::{Channel, Wait, seconds};
 use crate::transport::exchange::{Counts, Moment, receive_grains};
 
-use super::check::{cannot_steer, check_done, count, parse, same_dimension, unexpected};
+use super::check::{
+    cannot_steer, check_done, count, parse, require_finite_report, same_dimension, unexpected,
+};
 use super::hello::hello;
 use super::told;
 
@@ -210,6 +212,7 @@ impl Partner {
         check_done(self.hello.role, (self.step, self.pass), &done, outputs)?;
         self.end = request.time + request.dt;
         self.take(&done.fields, outputs, wait)?;
+        require_finite_report(self.seat(), self.step, &done)?;
         Ok(done)
     }
 
@@ -243,7 +246,8 @@ impl Partner {
         }
     }
 
-    /// Receive the fields of a candidate; those that nobody asked for are dropped.
+    /// Receive the fields of a candidate; those that nobody asked for are dropped. Where one is not finite the
+    /// others are received all the same: the engine may be asked for another candidate.
     fn take(
         &mut self,
         fields: &[Field],
@@ -256,16 +260,24 @@ impl Partner {
             stage: Stage::Done,
             time: self.end,
         };
+        let mut trouble = Ok(());
         for &field in fields {
             let received = self
                 .counts
-                .receive(&mut *self.channel, field, answered, wait)?;
+                .receive(&mut *self.channel, field, answered, wait);
+            let received = match received {
+                Err(error @ Error::NotFinite { .. }) => {
+                    trouble = trouble.and(Err(error));
+                    continue;
+                }
+                other => other?,
+            };
             if let Some((_, output)) = outputs.iter_mut().find(|(wanted, _)| *wanted == field) {
                 output.clear();
                 output.extend_from_slice(received.values());
             }
         }
-        Ok(())
+        trouble
     }
 
     /// Take grains out of the accepted state, by their ascending numbers: after a commit, before the next
