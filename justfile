@@ -10,10 +10,18 @@ test:
 test-all:
     cargo test --release --workspace -- --include-ignored
 
-# Processes killed, stopped and in each other's way, 200 instants among them (a quarter of an hour).
+# All of docs/reliability.md but the soak: processes killed, stopped and in each other's way, runs resumed, inputs,
+# load (under an hour on two cores).
 faults:
-    cargo test --release --workspace --test commands -- --include-ignored instants kills stops strays namespaces full_disk
-    cargo test --release --workspace --test suite -- private processes faults
+    cargo test --release --workspace --test commands -- --include-ignored --test-threads 1 --skip soak \
+        instants kills stops strays namespaces full_disk folders resume load
+    cargo test --release --workspace --test suite -- private processes runspaces faults codec limits
+    cargo test --release --workspace --test engines -- conform
+    cargo test --release --workspace --test inputs
+
+# Two hours of a fluidised bed: what its processes hold.
+soak:
+    cargo test --release --workspace --test commands -- --ignored soak --nocapture
 
 # Format all code.
 fmt:

@@ -1,6 +1,7 @@
 //! What the compiler does not see: who depends on whom, which file names which, and how large things are.
 
 mod circles;
+mod clocks;
 mod graph;
 mod sizes;
 mod sources;

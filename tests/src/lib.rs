@@ -20,6 +20,7 @@ use tracing_subscriber::util::SubscriberInitExt;
 pub mod arguments;
 pub mod exchange;
 pub mod grains;
+pub mod inputs;
 pub mod meshes;
 pub mod recorded;
 pub mod reference;

@@ -25,7 +25,8 @@ fn refusal_of(memory: f64, what: &str, count: f64, each: f64) -> Option<String> 
     })
 }
 
-/// Main memory of this machine, or what its container allows \[bytes\]; unbounded where that is not known.
+/// Main memory of this machine, or what its container or `ulimit -v` allows \[bytes\]; unbounded where that is
+/// not known.
 fn memory() -> f64 {
     let read = |path: &str| std::fs::read_to_string(path).ok();
     let meminfo = read("/proc/meminfo");
@@ -42,7 +43,16 @@ fn memory() -> f64 {
     .into_iter()
     .filter_map(|path| read(path)?.trim().parse::<f64>().ok());
     let total = total.map_or(f64::INFINITY, |kilobytes| 1024.0 * kilobytes);
-    allowed.fold(total, f64::min)
+    let limits = read("/proc/self/limits");
+    let own = limits.as_deref().and_then(address_space);
+    allowed.chain(own).fold(total, f64::min)
+}
+
+/// The limit on the memory of a process, unless it is "unlimited" \[bytes\].
+fn address_space(limits: &str) -> Option<f64> {
+    let mut lines = limits.lines();
+    let line = lines.find_map(|line| line.strip_prefix("Max address space"))?;
+    line.split_whitespace().next()?.parse().ok()
 }
 
 #[cfg(test)]
@@ -59,5 +69,10 @@ mod tests {
         }
         assert!(refusal_of(8e9, "grains", f64::INFINITY, GRAIN).is_some());
         assert!(memory() > 1e8);
+        let limits = |soft: &str| {
+            format!("Max processes 7 8\nMax address space  {soft}  unlimited  bytes\n")
+        };
+        assert_eq!(address_space(&limits("1073741824")), Some(1073741824.0));
+        assert_eq!(address_space(&limits("unlimited")), None);
     }
 }

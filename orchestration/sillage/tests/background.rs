@@ -69,6 +69,18 @@ pub fn need_programs() {
     });
 }
 
+/// This test as a program that can run scenes itself: the programs of a run are looked for beside the one that
+/// starts it.
+pub fn beside_programs(place: &Path) -> PathBuf {
+    need_programs();
+    let program = place.join("test");
+    std::fs::copy(std::env::current_exe().expect("a test"), &program).expect("copied");
+    for name in ["sillage-fluid", "sillage-particles", "sillage-coupler"] {
+        std::os::unix::fs::symlink(programs().join(name), place.join(name)).expect("linked");
+    }
+    program
+}
+
 /// A small cloud, as many steps as a test needs: about 10 ms each.
 pub fn small_cloud(end_time: f64) -> Vec<String> {
     let mut arguments = vec![

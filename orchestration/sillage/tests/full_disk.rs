@@ -14,7 +14,7 @@ use run::vtu::read::{self, State};
 use run::{Runner, Voice};
 use show::picture::pictures;
 
-use crate::background::{need_programs, programs, report, small_cloud};
+use crate::background::{beside_programs, report, small_cloud};
 
 /// Where the file system is, in the process that runs on it.
 const DISK: &str = "SILLAGE_TEST_DISK";
@@ -27,15 +27,10 @@ fn a_disk_that_stays_full_ends_the_run_with_all_that_is_written_whole() {
         fill(Path::new(&disk));
         return vanish(Path::new(&disk));
     }
-    need_programs();
     let place = tempfile::tempdir().expect("a folder");
-    let (disk, program) = (place.path().join("disk"), place.path().join("test"));
+    let disk = place.path().join("disk");
     std::fs::create_dir(&disk).expect("made");
-    // The programs of a run are looked for beside the one that starts it, which is this one.
-    std::fs::copy(std::env::current_exe().expect("a test"), &program).expect("copied");
-    for name in ["sillage-fluid", "sillage-particles", "sillage-coupler"] {
-        std::os::unix::fs::symlink(programs().join(name), place.path().join(name)).expect("linked");
-    }
+    let program = beside_programs(place.path());
     let test = "full_disk::a_disk_that_stays_full_ends_the_run_with_all_that_is_written_whole";
     let script = format!(
         "mount -t tmpfs -o size=2m none \"$0\" || exit {NOT_MOUNTED}\n\

@@ -11,6 +11,7 @@ mod instants;
 mod kills;
 mod leaving;
 mod leaving_out;
+mod load;
 mod meshes;
 mod namespaces;
 mod processes;
