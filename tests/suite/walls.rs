@@ -1,5 +1,9 @@
 //! Walls of grains: the sides of the fluid's mesh, at rest and moving.
 
+#[path = "../../orchestration/scene/tests/suite/validator.rs"]
+#[expect(dead_code, reason = "other tests name keys")]
+mod validator;
+
 use std::f64::consts::TAU;
 use std::path::Path;
 
@@ -112,6 +116,7 @@ fn on_a_floor_text(floor: &str, more: &str) -> String {
 fn on_a_floor(floor: &str, more: &str) -> (CouplerScene, InitialGrains) {
     let text = on_a_floor_text(floor, more);
     let document = Document::parse(Path::new("belt.toml"), text, &[]).expect("TOML");
+    assert_eq!(validator::complaint(&document), None);
     let scene = scene::from_document(&document, 1).unwrap_or_else(|error| panic!("{error}"));
     println!("{:?}", scene.warnings);
     let mut grains = disks(&scene.grains.position, &scene.grains.radius, 1000.0);
@@ -162,6 +167,8 @@ fn on_a_mesh(folder: &Path, centre: [f64; 2], more: &str) -> Result<scene::Scene
          {more}\n"
     );
     let document = Document::parse(&folder.join("mesh.toml"), text, &[]).expect("TOML");
+    // What is refused here is beyond a schema: where grains and walls are.
+    assert_eq!(validator::complaint(&document), None);
     scene::from_document(&document, 1).map_err(|error| error.to_string())
 }
 

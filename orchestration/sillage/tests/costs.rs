@@ -32,6 +32,28 @@ fn rows_sum_to_the_totals_and_phases_to_the_time_of_the_fluid() {
     let sums = sums(&text("steps.csv"));
     let document: Value = serde_json::from_str(&text("run.json")).expect("JSON");
     let total = |name: &str| document["totals"][name].as_f64().expect("a number");
+    let units = text("steps.units.csv");
+    println!("{units}");
+    let units: Vec<(&str, &str)> = units
+        .lines()
+        .filter_map(|row| row.split_once(','))
+        .collect();
+    assert_eq!(units[0], ("column", "unit"));
+    let table = text("steps.csv");
+    let columns = table.lines().next().expect("a header").split(',');
+    assert!(columns.eq(units[1..].iter().map(|(column, _)| *column)));
+    assert!(
+        units.iter().all(|(_, unit)| !unit.is_empty()),
+        "a column without a unit"
+    );
+    for known in [
+        ("time", "s"),
+        ("passes", "–"),
+        ("fall_speed", "m/s"),
+        ("cpu_fluid", "s"),
+    ] {
+        assert!(units.contains(&known), "{known:?}");
+    }
     let same = |a: f64, b: f64| (a - b).abs() <= ROUND_OFF * a.abs().max(b.abs());
     println!("{} passes in {} steps", total("passes"), total("steps"));
     assert!(total("passes") > total("steps"), "several passes a step");
