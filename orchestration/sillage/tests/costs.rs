@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use crate::background::{Run, small_cloud};
+use crate::background::{Run, report, root, small_cloud};
 
 /// Columns of `steps.csv`, summed over its rows.
 fn sums(text: &str) -> BTreeMap<String, f64> {
@@ -79,5 +79,32 @@ fn rows_sum_to_the_totals_and_phases_to_the_time_of_the_fluid() {
         ("wall_fluid", "wall_fluid"),
     ] {
         assert!(same(sums[column], total(name)), "{column}");
+    }
+}
+
+#[test]
+#[ignore = "a measurement, two minutes"]
+fn deposit_and_sampling_take_a_small_part_of_a_run() {
+    println!("scene              steps   CPU of the coupler, of fluid and particles [s]   share");
+    for (scene, end_time) in [("cloud", 0.55), ("fluidised-bed", 0.5)] {
+        let path = root().join("scenes").join(scene).with_extension("toml");
+        let mut arguments = vec![path.to_string_lossy().into_owned()];
+        arguments.extend(["--set".to_owned(), format!("run.end_time={end_time}")]);
+        let (code, words, _, folder) = Run::start(&arguments).finish();
+        assert_eq!(code, Some(0), "{words}");
+        let report = report(folder.path());
+        let total = |name: &str| report["totals"][name].as_f64().expect("a number");
+        // All that the coupler computes: placing, depositing, sampling, drag, budgets.
+        let (coupler, engines) = (
+            total("cpu_coupler"),
+            total("cpu_fluid") + total("cpu_particles"),
+        );
+        let share = coupler / (coupler + engines);
+        println!(
+            "{scene:<18} {:<7} {coupler:<19.3} {engines:<31.3} {:.1} %",
+            total("steps"),
+            100.0 * share
+        );
+        assert!(share < 0.05);
     }
 }

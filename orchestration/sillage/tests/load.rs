@@ -63,7 +63,7 @@ upper = [0.12, 0.2]
 [contact]
 tolerance = 1e-3
 [output]
-every = 5e-3
+every = 1e-2
 frames = false
 "#;
 
@@ -73,33 +73,50 @@ fn a_million_grains_take_ten_steps() {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = folder.path().join("scene.toml");
     std::fs::write(&scene, MILLION).expect("written");
-    let out = folder.path().join("run");
-    let arguments = [
-        "run",
-        &scene.to_string_lossy(),
-        "--out",
-        &out.to_string_lossy(),
-    ];
-    let begun = Instant::now();
-    let (code, _, words) = sillage(&arguments);
-    let whole = begun.elapsed();
-    assert_eq!(code, Some(0), "{words}");
-    let report = report(&out);
-    let bytes: u64 = std::fs::read_dir(out.join("vtu"))
-        .expect("states")
-        .flatten()
-        .map(|entry| entry.metadata().map_or(0, |about| about.len()))
-        .sum();
+    let mut runs = Vec::new();
+    for every in ["output.every=1e-2", "output.every=1e-3"] {
+        let out = folder.path().join(every);
+        let words = [
+            "run",
+            &scene.to_string_lossy(),
+            "--set",
+            every,
+            "--out",
+            &out.to_string_lossy(),
+        ];
+        let begun = Instant::now();
+        let (code, _, words) = sillage(&words);
+        let seconds = begun.elapsed().as_secs_f64();
+        assert_eq!(code, Some(0), "{words}");
+        let report = report(&out);
+        let states = std::fs::read_dir(out.join("vtu"))
+            .expect("states")
+            .flatten();
+        let sizes: Vec<u64> = states
+            .map(|entry| entry.metadata().map_or(0, |about| about.len()))
+            .collect();
+        let megabytes = sizes.iter().sum::<u64>() as f64 / MEGABYTE;
+        println!(
+            "{} grains, {} steps, {} states of {megabytes:.0} MB in {seconds:.1} s",
+            report["grains"],
+            report["steps"],
+            sizes.len()
+        );
+        println!("{}", report["cost"]);
+        let number = |name: &str| report["totals"][name].as_f64().expect("a number");
+        let checkpoint = number("seconds_checkpoints") / number("checkpoints");
+        println!(
+            "a step waits {checkpoint:.2} s for a checkpoint, {:.3} % of 600 s",
+            checkpoint / 6.0
+        );
+        assert_eq!(report["steps"], 10);
+        runs.push((seconds, megabytes));
+    }
+    let (seconds, megabytes) = (runs[1].0 - runs[0].0, runs[1].1 - runs[0].1);
     println!(
-        "{} grains, {} steps in {whole:.1?}",
-        report["grains"], report["steps"]
+        "nine states more: {megabytes:.0} MB in {seconds:.1} s, {:.0} MB/s",
+        megabytes / seconds
     );
-    println!(
-        "states {:.0} MB; {}",
-        bytes as f64 / MEGABYTE,
-        report["cost"]
-    );
-    assert_eq!(report["steps"], 10);
 }
 
 /// What a process holds: open files, threads, memory \[MB\].
@@ -166,10 +183,10 @@ fn run_many(place: &Path) {
     let settings = settings.map(str::to_owned);
     let scene = scene::load(&root().join("scenes/one-grain.toml"), &settings, 1);
     let scene = scene.unwrap_or_else(|error| panic!("{error}"));
+    let runner = Runner::new(Voice::Quiet, pictures).expect("a runner");
     let mut first = None;
     println!("  runs  files  threads  memory [MB]  shared memory  temporary");
     for number in 0..=MANY {
-        let runner = Runner::new(Voice::Quiet, pictures).expect("a runner");
         let folder = place.join("run");
         let outcome = runner.run(&scene, &folder);
         let ending = outcome.unwrap_or_else(|error| panic!("{error}")).ending;

@@ -14,4 +14,5 @@ mod table;
 
 pub use file::of_run;
 pub use generate::generate;
+pub(crate) use neighbours::Neighbours;
 pub use table::GrainTable;

@@ -87,23 +87,44 @@ impl Neighbours {
             let overlap = radius + other.radius - dx.hypot(dy);
             (overlap > allowed).then_some(overlap)
         };
-        let in_cell = |cell: &Cell| {
+        self.cells_near(position, radius).find_map(|cell| {
             let fixed = if fixed { &[][..] } else { &cell.fixed };
             cell.free.iter().chain(fixed).find_map(with)
+        })
+    }
+
+    /// The smallest gap to a placed grain, of the smaller radius of the two, among those up to `within`. Two fixed
+    /// grains have none.
+    pub fn gap(&self, position: [f64; 2], radius: f64, fixed: bool, within: f64) -> Option<f64> {
+        let gap = |other: &Placed| {
+            let dx = other.position[0] - position[0];
+            let dy = other.position[1] - position[1];
+            (dx.hypot(dy) - radius - other.radius) / radius.min(other.radius)
         };
-        self.levels.iter().find_map(|(&level, cells)| {
+        let near = self.cells_near(position, radius + within.max(0.0) * radius);
+        let others = near.flat_map(|cell| {
+            let fixed = if fixed { &[][..] } else { &cell.fixed };
+            cell.free.iter().chain(fixed)
+        });
+        others
+            .map(gap)
+            .reduce(f64::min)
+            .filter(|gap| *gap <= within)
+    }
+
+    /// Cells with all grains that come as near to a position as this, and some more.
+    fn cells_near(&self, position: [f64; 2], reach: f64) -> impl Iterator<Item = &Cell> {
+        self.levels.iter().flat_map(move |(&level, cells)| {
             let width = self.cell_of_level(level);
             let place = |x: f64| (x / width).floor() as i64;
-            let reach = radius + 0.5 * width;
+            let reach = reach + 0.5 * width;
             let [low, high] = [-reach, reach].map(|reach| position.map(|x| place(x + reach)));
-            let rows = |column: i64| cells.range((column, low[1])..=(column, high[1]));
-            let columns = high[0].abs_diff(low[0]);
-            if columns < cells.len() as u64 {
-                (low[0]..=high[0])
-                    .find_map(|column| rows(column).find_map(|(_, cell)| in_cell(cell)))
-            } else {
-                cells.values().find_map(in_cell)
-            }
+            let some = high[0].abs_diff(low[0]) < cells.len() as u64;
+            let columns = some.then_some(low[0]..=high[0]).into_iter().flatten();
+            let near =
+                columns.flat_map(move |column| cells.range((column, low[1])..=(column, high[1])));
+            let all = (!some).then_some(cells.iter()).into_iter().flatten();
+            near.chain(all).map(|(_, cell)| cell)
         })
     }
 }
@@ -111,6 +132,30 @@ impl Neighbours {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_smallest_gap_is_that_of_all_pairs() {
+        // Golden ratio points, radii over two decades, every third grain fixed.
+        let part = |k: usize, by: f64| (k as f64 * by).fract();
+        let all: Vec<([f64; 2], f64, bool)> = (0..300)
+            .map(|k| {
+                let place = [10.0 * part(k, 0.618_034), 10.0 * part(k, 0.754_878)];
+                (place, 2e-3 * 100.0_f64.powf(part(k, 0.569_84)), k % 3 == 0)
+            })
+            .collect();
+        let mut grains = Neighbours::new(0.4, [None, None]);
+        let (mut least, mut of_pairs) = (None, f64::INFINITY);
+        for (k, &(place, radius, fixed)) in all.iter().enumerate() {
+            let within = least.unwrap_or(f64::INFINITY);
+            least = grains.gap(place, radius, fixed, within).or(least);
+            grains.insert(place, radius, fixed);
+            for &(other, size, _) in all[..k].iter().filter(|other| !(fixed && other.2)) {
+                let distance = (place[0] - other[0]).hypot(place[1] - other[1]);
+                of_pairs = of_pairs.min((distance - radius - size) / radius.min(size));
+            }
+            assert_eq!(least.unwrap_or(f64::INFINITY), of_pairs, "{k}");
+        }
+    }
 
     #[test]
     fn overlaps_are_found_between_grains_of_all_sizes_and_across_periods() {

@@ -15,6 +15,7 @@ use serde::Serialize;
 use space::grid::SPARE;
 
 use super::cost::Cost;
+use crate::grains::Neighbours;
 use crate::scene::Scene;
 
 /// Why nothing of the particle engine is needed.
@@ -212,25 +213,15 @@ fn contacts(scene: &Scene, cost: &Cost) -> Option<Choice> {
 /// Smallest gap between two grains of which one moves, of the smaller radius.
 fn smallest_gap(scene: &Scene) -> Option<f64> {
     let grains = &scene.grains;
-    let mut order: Vec<usize> = (0..grains.len()).collect();
-    order.sort_by(|&a, &b| grains.position[a][0].total_cmp(&grains.position[b][0]));
     let largest = grains.radius.iter().copied().fold(0.0, f64::max);
-    let mut smallest: Option<f64> = None;
-    for (place, &i) in order.iter().enumerate() {
-        for &j in &order[place + 1..] {
-            let along = grains.position[j][0] - grains.position[i][0];
-            let (one, two) = (grains.radius[i], grains.radius[j]);
-            let least = smallest.unwrap_or(f64::INFINITY);
-            if along > grains.radius[i] + largest + least * largest {
-                break;
-            }
-            if grains.fixed[i] && grains.fixed[j] {
-                continue;
-            }
-            let across = grains.position[j][1] - grains.position[i][1];
-            let gap = (along.hypot(across) - one - two) / one.min(two);
-            smallest = Some(gap.min(least));
-        }
+    let mut placed = Neighbours::new(2.0 * largest, [None; 2]);
+    let mut smallest = None;
+    for grain in 0..grains.len() {
+        let (place, radius) = (grains.position[grain], grains.radius[grain]);
+        let within = smallest.unwrap_or(f64::INFINITY);
+        let gap = placed.gap(place, radius, grains.fixed[grain], within);
+        smallest = gap.or(smallest);
+        placed.insert(place, radius, grains.fixed[grain]);
     }
     smallest
 }

@@ -1,4 +1,4 @@
-//! A row of the table: how many, how they ended, the largest defects, the longest run.
+//! A row of the table: how many, how they ended, the largest defects, the longest step.
 
 use std::fmt;
 
@@ -25,7 +25,7 @@ pub struct Tally {
 
 impl Tally {
     /// The heads of the columns.
-    pub const HEADER: &str = "| scene | drawn | refused | too much work | 0 | 2 | 3 | 4 | 6 | 7 | 8 | wrong | volume | third law | longest [s] |";
+    pub const HEADER: &str = "| scene | drawn | refused | too much work | 0 | 2 | 3 | 4 | 6 | 7 | 8 | wrong | volume | third law | longest step [s] |";
 
     /// Nothing yet.
     pub fn new(name: &str) -> Tally {

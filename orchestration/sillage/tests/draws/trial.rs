@@ -13,8 +13,11 @@ use toml::Value;
 use crate::background::report;
 use crate::schema;
 
-/// A command takes no longer on a machine of its own; then it is interrupted, and soon killed.
+/// A command says something new within this time on a machine of its own: it ends, or accepts a step. Otherwise it
+/// hangs: it is interrupted, and soon killed.
 const LONGEST: Duration = Duration::from_secs(20);
+/// Of these times in all: steps that are halved again and again are many.
+const TIMES: u32 = 10;
 /// Coupling steps of a run.
 const STEPS: f64 = 3.0;
 /// Grains and cells beyond which three steps may honestly take long.
@@ -175,7 +178,8 @@ fn refused(checked: &Json) -> Vec<String> {
     keys.map(str::to_owned).collect()
 }
 
-/// Run a command: exit code, stdout, stderr; an error when it takes too long, panics or has no exit code.
+/// Run a command: exit code, stdout, stderr; an error when it hangs, panics or has no exit code. `longest` is the
+/// longest time without a step.
 fn sillage(
     arguments: &[&str],
     folder: &Path,
@@ -191,28 +195,36 @@ fn sillage(
         .stderr(file("told"))
         .spawn()
         .expect("started");
-    let mut interrupted = false;
+    let mut interrupted = None;
+    let table = path("run/steps.csv");
+    let (mut length, mut since) = (0, begun);
     let status = loop {
+        let longer = std::fs::metadata(&table).map_or(0, |about| about.len());
+        if longer > length {
+            *longest = longest.max(since.elapsed().as_secs_f64());
+            (length, since) = (longer, Instant::now());
+        }
         if let Some(status) = child.try_wait().expect("status") {
             break status;
         }
-        if begun.elapsed() > patience && !interrupted {
+        let hangs = since.elapsed() > patience || begun.elapsed() > TIMES * patience;
+        if hangs && interrupted.is_none() {
             kill(Pid::from_raw(child.id() as i32), Signal::SIGINT).expect("signalled");
-            interrupted = true;
+            interrupted = Some(Instant::now());
         }
-        if begun.elapsed() > 2 * patience {
+        if interrupted.is_some_and(|at| at.elapsed() > patience) {
             child.kill().expect("killed");
             child.wait().expect("reaped");
             return Err(format!("{} hangs, deaf to an interruption", arguments[0]));
         }
         std::thread::sleep(Duration::from_millis(5));
     };
-    *longest = longest.max(begun.elapsed().as_secs_f64());
+    *longest = longest.max(since.elapsed().as_secs_f64());
     let [said, told] = ["said", "told"].map(|name| std::fs::read_to_string(path(name)));
     let (said, told) = (said.unwrap_or_default(), told.unwrap_or_default());
     match status.code() {
-        _ if interrupted => Err(format!(
-            "{} takes longer than {patience:?}: {told}",
+        _ if interrupted.is_some() => Err(format!(
+            "{} takes longer than {patience:?} for a step, or {TIMES} times as long in all: {told}",
             arguments[0]
         )),
         Some(code) if !told.contains("panicked") => Ok((code, said, told)),

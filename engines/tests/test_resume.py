@@ -1,0 +1,40 @@
+"""A run with an engine in Python that was stopped goes on to the bit as one that was not."""
+
+import csv
+import os
+import subprocess
+
+import pytest
+from conftest import ENGINES, load
+
+SILLAGE = ENGINES.parent / os.environ.get("CARGO_TARGET_DIR", "target") / "release" / "sillage"
+
+
+def sillage(*words):
+    done = subprocess.run([SILLAGE, *words], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+
+
+def physics(folder):
+    """steps.csv without what a run costs."""
+    with (folder / "steps.csv").open() as table:
+        rows = list(csv.reader(table))
+    kept = [k for k, name in enumerate(rows[0]) if not name.startswith(("cpu_", "wall_"))]
+    return [[row[k] for k in kept] for row in rows]
+
+
+@pytest.mark.parametrize("name", ["lammps-particles", "scontact-particles", "skfem-fluid"])
+def test_a_resumed_run_has_the_bits_of_one_that_was_not_stopped(name, tmp_path):
+    if not SILLAGE.exists():
+        pytest.skip("the programs are not built: cargo build --release --workspace")
+    load(name)
+    scene = ENGINES / name / "scene.toml"
+    whole, halves = tmp_path / "whole", tmp_path / "halves"
+    until = "run.end_time={}".format
+    six, three = until(6 * 5.5e-3), until(3 * 5.5e-3)
+    quiet = ["--set", "output.frames=false"]
+    sillage("run", scene, "--set", six, *quiet, "--out", whole)
+    sillage("run", scene, "--set", three, *quiet, "--out", halves)
+    sillage("resume", halves, "--set", six)
+    assert len(physics(whole)) == 7
+    assert physics(halves) == physics(whole)
