@@ -69,11 +69,11 @@ pub fn decode_file<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, CodecError> {
     // A number takes 8 bytes at most, and one of the file at least. The library's limits are types.
     let standard = bincode::config::standard;
     match bytes.len().saturating_mul(8) {
-        ..=0x1_0000 => whole(bytes, standard().with_limit::<0x1_0000>()),
-        ..=0x10_0000 => whole(bytes, standard().with_limit::<0x10_0000>()),
-        ..=0x100_0000 => whole(bytes, standard().with_limit::<0x100_0000>()),
-        ..=0x1000_0000 => whole(bytes, standard().with_limit::<0x1000_0000>()),
-        ..=0x1_0000_0000 => whole(bytes, standard().with_limit::<0x1_0000_0000>()),
+        most if most <= 0x1_0000 => whole(bytes, standard().with_limit::<0x1_0000>()),
+        most if most <= 0x10_0000 => whole(bytes, standard().with_limit::<0x10_0000>()),
+        most if most <= 0x100_0000 => whole(bytes, standard().with_limit::<0x100_0000>()),
+        most if most <= 0x1000_0000 => whole(bytes, standard().with_limit::<0x1000_0000>()),
+        most if most <= 0x1_0000_0000 => whole(bytes, standard().with_limit::<0x1_0000_0000>()),
         _ => whole(bytes, standard().with_limit::<0x100_0000_0000>()),
     }
 }
