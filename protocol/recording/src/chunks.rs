@@ -41,9 +41,7 @@ fn first_unchecked(input: &mut BufReader<&File>) -> io::Result<Option<u64>> {
         if kind == [op::CHUNK] {
             let about: [u8; CHUNK] = next(input)?;
             left = left.saturating_sub(CHUNK as u64);
-            let [is_empty, is_unchecked] =
-                [16..24, 24..28].map(|part| about[part].iter().all(|byte| *byte == 0));
-            if is_unchecked && !is_empty {
+            if about[CHUNK - 4..] == [0; 4] {
                 return Ok(Some(place));
             }
         }
