@@ -210,12 +210,23 @@ impl Run {
     }
 }
 
-/// Files of a run in shared memory.
+/// Files of a run in shared memory; while all that is left is what another start of a run is removing just now, that
+/// is waited for.
 pub fn shared_memory_of(run: &str) -> Vec<String> {
-    let files = protocol::runspace::files_of(run).into_iter();
-    files
-        .map(|path| path.to_string_lossy().into_owned())
-        .collect()
+    let begun = Instant::now();
+    loop {
+        let files = protocol::runspace::files_of(run).into_iter();
+        let files: Vec<String> = files
+            .map(|path| path.to_string_lossy().into_owned())
+            .collect();
+        let aside = files
+            .iter()
+            .all(|file| file.starts_with("/dev/shm/.sillage-"));
+        if files.is_empty() || !aside || begun.elapsed() > Duration::from_secs(2) {
+            return files;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
 }
 
 pub fn is_alive(pid: i32) -> bool {

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
-use protocol::runspace::{RunSpace, files_of};
+use protocol::runspace::RunSpace;
 
-use crate::background::{Schedule, need_programs, programs, small_cloud};
+use crate::background::{Schedule, need_programs, programs, shared_memory_of, small_cloud};
 
 const LEAVING_MAX: Duration = Duration::from_secs(2);
 const VICTIMS: [(&str, &str); 4] = [
@@ -153,7 +153,7 @@ fn attempt(seat: &str, name: &str, after: Duration, tag: &str) -> Trial {
         // What nobody was left to remove the next run removes.
         drop(RunSpace::create().expect("another run"));
     }
-    let left = run.map(|run| files_of(&run)).unwrap_or_default();
+    let left = run.map(|run| shared_memory_of(&run)).unwrap_or_default();
     if !left.is_empty() {
         faults.push(format!(
             "left in shared memory: {}, e.g. {:?}",

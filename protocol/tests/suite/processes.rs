@@ -132,7 +132,8 @@ fn signal(child: &Child, signal: rustix::process::Signal) {
     rustix::process::kill_process(pid, signal).unwrap();
 }
 
-fn wait_until_gone(id: &str) {
+/// Another start of a run may be at the removal just now.
+pub fn wait_until_gone(id: &str) {
     let began = Instant::now();
     while !files_of(id).is_empty() {
         assert!(

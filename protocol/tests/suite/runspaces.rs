@@ -2,7 +2,9 @@ use std::fs::DirBuilder;
 use std::os::unix::fs::DirBuilderExt;
 use std::process::Command;
 
-use protocol::runspace::RunSpace;
+use protocol::runspace::{Leftover, RunSpace};
+
+use crate::processes::wait_until_gone;
 
 pub fn files_of(id: &str) -> Vec<String> {
     let files = protocol::runspace::files_of(id).into_iter();
@@ -85,7 +87,7 @@ fn leftovers_of_a_dead_run_are_found_and_swept_and_living_runs_are_not() {
     assert_eq!(left.files, 3);
     assert!(left.bytes >= 5000);
     left.sweep().unwrap();
-    assert!(files_of(&dead).is_empty());
+    wait_until_gone(&dead);
 }
 
 #[test]
@@ -99,10 +101,13 @@ fn a_process_that_is_removing_its_run_outlives_a_sweep_of_it() {
         .envs([("SILLAGE_RUN", run.as_str()), ("SILLAGE_ORCHESTRATOR", "1")])
         .spawn()
         .unwrap();
-    let left = RunSpace::leftovers().unwrap();
-    let left = left.iter().find(|left| left.id == run).expect("listed");
+    let left = Leftover {
+        id: run.clone(),
+        files: 0,
+        bytes: 0,
+    };
     left.sweep().unwrap();
-    assert!(files_of(&run).is_empty());
+    wait_until_gone(&run);
     let ended = last.try_wait().unwrap();
     last.kill().unwrap();
     last.wait().unwrap();

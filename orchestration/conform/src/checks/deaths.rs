@@ -5,6 +5,7 @@
 //! What dies is a process of this same program, [`play_coupler`]; it has both other seats.
 
 use std::io::{BufRead, BufReader, Read, Write};
+use std::path::PathBuf;
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -262,7 +263,7 @@ fn death(case: &Case, state: State) -> Result<(), Trouble> {
     drop(victim);
     let left = subject.must_leave(exit_code::PARTNER_LOST, LEAVE);
     drop(subject);
-    let behind = files_of(&run);
+    let behind = left_behind(&run);
     if !behind.is_empty() {
         // Not its to remove when it was killed here.
         let left = RunSpace::leftovers().into_iter().flatten();
@@ -279,6 +280,22 @@ fn death(case: &Case, state: State) -> Result<(), Trouble> {
             file.display()
         )
         .into()),
+    }
+}
+
+/// What the run left, once no start of another run is at its removal, which puts it aside first.
+fn left_behind(run: &str) -> Vec<PathBuf> {
+    let begin = Instant::now();
+    loop {
+        let files = files_of(run);
+        let is_aside = |path: &PathBuf| {
+            let name = path.file_name().unwrap_or_default();
+            name.to_string_lossy().starts_with('.')
+        };
+        if files.is_empty() || !files.iter().all(is_aside) || begin.elapsed() > LEAVE {
+            return files;
+        }
+        std::thread::sleep(Duration::from_millis(5));
     }
 }
 
