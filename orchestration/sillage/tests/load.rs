@@ -3,6 +3,7 @@
 //! other seconds in `SILLAGE_TEST_SOAK`.
 
 use std::collections::BTreeMap;
+use std::io::Read;
 use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -229,6 +230,13 @@ fn soak_of_a_bed_that_is_kept_fluidised_holds_the_same_memory() {
     }
     let mut run = Run::start(&arguments);
     run.wait_for_steps(20);
+    // Hours of progress are more than a pipe holds, and a run waits for whoever reads it.
+    let words = run.child.stderr.take().map(|mut stderr| {
+        std::thread::spawn(move || {
+            let mut text = String::new();
+            stderr.read_to_string(&mut text).map(|_| text)
+        })
+    });
     let (children, identity) = run.children();
     let mut processes: BTreeMap<String, u32> = children
         .into_iter()
@@ -246,7 +254,10 @@ fn soak_of_a_bed_that_is_kept_fluidised_holds_the_same_memory() {
     }
     let rows = run.rows();
     kill(Pid::from_raw(run.child.id() as i32), Signal::SIGINT).expect("told to stop");
-    let (code, words, _, folder) = run.finish();
+    let (code, _, _, folder) = run.finish();
+    let words = words
+        .and_then(|reader| reader.join().ok()?.ok())
+        .unwrap_or_default();
     println!("{rows} steps, {} segments; exit {code:?}", samples[0].1);
     assert_eq!(code, Some(130), "{words}");
     println!("process            memory [MB] after a quarter, at the end   files   threads");
