@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use nix::sys::resource::{Resource, getrlimit, setrlimit};
+use tests::grains::Noise;
 use tests::inputs::{TARGETS, seeds};
 
 /// Of each kind.
@@ -15,17 +16,9 @@ const ROOM: u64 = 1 << 30;
 /// No input takes this long.
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// A generator of numbers, always the same (Knuth's MMIX).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as usize % bound.max(1)
-    }
+/// A whole number below a bound.
+fn below(random: &mut Noise, bound: usize) -> usize {
+    (random.draw() * bound as f64) as usize
 }
 
 /// Words and bytes that programs trip over.
@@ -49,44 +42,29 @@ const WORDS: [&[u8]; 16] = [
 ];
 
 /// An input changed in one to four places.
-fn changed(of: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
+fn changed(of: &[u8], other: &[u8], random: &mut Noise) -> Vec<u8> {
     let mut bytes = of.to_vec();
-    for _ in 0..1 + random.below(4) {
+    for _ in 0..1 + below(random, 4) {
         let length = bytes.len();
-        let from = random.below(length + 1);
-        let to = (from + random.below(9)).min(length);
-        match random.below(6) {
-            0 if from < length => bytes[from] ^= 1 << random.below(8),
-            1 => _ = bytes.splice(from..to, WORDS[random.below(WORDS.len())].iter().copied()),
+        let from = below(random, length + 1);
+        let to = (from + below(random, 9)).min(length);
+        match below(random, 6) {
+            0 if from < length => bytes[from] ^= 1 << below(random, 8),
+            1 => _ = bytes.splice(from..to, WORDS[below(random, WORDS.len())].iter().copied()),
             2 => bytes.truncate(from),
-            3 => _ = bytes.drain(from..random.below(length + 1).max(from)),
+            3 => _ = bytes.drain(from..below(random, length + 1).max(from)),
             4 => {
-                let piece = bytes[from..(from + random.below(64)).min(length)].to_vec();
+                let piece = bytes[from..(from + below(random, 64)).min(length)].to_vec();
                 bytes.splice(from..from, piece);
             }
             _ => {
-                let begin = random.below(other.len() + 1);
-                let end = (begin + random.below(200)).min(other.len());
+                let begin = below(random, other.len() + 1);
+                let end = (begin + below(random, 200)).min(other.len());
                 bytes.splice(from..from, other[begin..end].iter().copied());
             }
         }
     }
     bytes
-}
-
-/// What fuzzing has found of this kind.
-fn found(kind: &str) -> Vec<Vec<u8>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../fuzz/corpus")
-        .join(kind);
-    let mut paths: Vec<_> = std::fs::read_dir(folder)
-        .expect("a folder for each kind")
-        .flatten()
-        .map(|entry| entry.path())
-        .collect();
-    paths.sort();
-    let read = |path| std::fs::read(path).expect("a file");
-    paths.into_iter().map(read).collect()
 }
 
 fn bound_memory() {
@@ -120,7 +98,7 @@ fn every_input_is_taken_or_refused() {
     let last = Path::new(env!("CARGO_TARGET_TMPDIR")).join("input");
     let kinds: Vec<_> = TARGETS
         .iter()
-        .map(|(kind, read)| (*kind, *read, seeds::of(kind), found(kind)))
+        .map(|(kind, read)| (*kind, *read, seeds::of(kind), seeds::found(kind)))
         .collect();
     watch(&DONE);
     bound_memory();
@@ -134,8 +112,8 @@ fn every_input_is_taken_or_refused() {
         );
         assert!(!right.is_empty());
         let all = [right, found].concat();
-        let mut random = Random(1);
-        let pick = |random: &mut Random| &all[random.below(all.len())];
+        let mut random = Noise::new(1);
+        let pick = |random: &mut Noise| &all[below(random, all.len())];
         let draws = (0..CHANGED).map(|_| {
             let (of, other) = (pick(&mut random), pick(&mut random));
             changed(of, other, &mut random)

@@ -104,18 +104,15 @@ impl<const D: usize, const N: usize> Cutter<'_, D, N> {
         if least as f64 <= BAD * count.powf(1.0 - 1.0 / D as f64) {
             return middle;
         }
-        let (mut kept, mut sorted) = (along, along);
+        let mut kept = along;
         for other in (0..D).filter(|&axis| axis != along) {
             self.sort(nodes, other);
-            sorted = other;
             let (size, cut) = self.best(nodes);
             if size < least {
                 (least, middle, kept) = (size, cut, other);
             }
         }
-        if sorted != kept {
-            self.sort(nodes, kept);
-        }
+        self.sort(nodes, kept);
         middle
     }
 

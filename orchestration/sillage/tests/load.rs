@@ -16,21 +16,9 @@ use show::picture::pictures;
 use crate::background::{
     Run, beside_programs, need_programs, report, root, shared_memory_of, sillage, small_cloud,
 };
+use crate::resume::same::assert_same;
 
 const MEGABYTE: f64 = 1e6;
-
-/// `steps.csv` without what a run costs.
-fn physics(folder: &Path) -> String {
-    let table = std::fs::read_to_string(folder.join("steps.csv")).expect("steps.csv");
-    let names: Vec<&str> = table.lines().next().expect("a header").split(',').collect();
-    let is_cost = |name: &str| name.starts_with("wall_") || name.starts_with("cpu_");
-    let rows = table.lines().map(|row| {
-        let cells = row.split(',').zip(&names);
-        let kept = cells.filter(|(_, name)| !is_cost(name));
-        kept.map(|(cell, _)| cell).collect::<Vec<_>>().join(",")
-    });
-    rows.collect::<Vec<_>>().join("\n")
-}
 
 #[test]
 fn eight_runs_side_by_side_are_each_as_one_alone() {
@@ -43,7 +31,7 @@ fn eight_runs_side_by_side_are_each_as_one_alone() {
     println!("one alone {:.2?}, eight {:.2?}", alone.2, begun.elapsed());
     for (code, words, _, folder) in &ended {
         assert_eq!(*code, Some(0), "{words}");
-        assert!(physics(folder.path()) == physics(alone.3.path()));
+        assert_same(alone.3.path(), folder.path());
     }
 }
 
@@ -276,8 +264,6 @@ fn soak_of_a_bed_that_is_kept_fluidised_holds_the_same_memory() {
     }
     assert_eq!(samples[quarter].1, samples[samples.len() - 1].1);
     assert!(shared_memory_of(&identity).is_empty());
-    assert_eq!(
-        report(folder.path())["steps"],
-        physics(folder.path()).lines().count() - 1
-    );
+    let table = std::fs::read_to_string(folder.path().join("steps.csv")).expect("steps.csv");
+    assert_eq!(report(folder.path())["steps"], table.lines().count() - 1);
 }

@@ -44,27 +44,37 @@ pub fn of(kind: &str) -> Vec<Vec<u8>> {
     }
 }
 
+/// What fuzzing has found of a kind.
+pub fn found(kind: &str) -> Vec<Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let all = paths(&folder.join("../fuzz/corpus").join(kind), |_| true);
+    all.iter().map(|path| bytes(path)).collect()
+}
+
 fn bytes(path: &Path) -> Vec<u8> {
     std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-fn paths(folder: &Path, end: &str) -> Vec<PathBuf> {
+fn paths(folder: &Path, wanted: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).expect("a folder");
     let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-    paths.retain(|path| path.extension().is_some_and(|this| this == end));
+    paths.retain(|path| wanted(path));
     paths.sort();
     paths
 }
 
+fn ends(with: &str) -> impl Fn(&Path) -> bool {
+    move |path| path.extension().is_some_and(|this| this == with)
+}
+
 fn files(folder: &Path, end: &str) -> Vec<Vec<u8>> {
-    paths(folder, end).iter().map(|path| bytes(path)).collect()
+    let paths = paths(folder, ends(end));
+    paths.iter().map(|path| bytes(path)).collect()
 }
 
 fn recordings() -> Vec<PathBuf> {
-    paths(
-        &Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings"),
-        "mcap",
-    )
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings");
+    paths(&folder, ends("mcap"))
 }
 
 /// The first entries of each recording, one of a kind.

@@ -3,5 +3,5 @@
 mod damage;
 mod killed;
 mod kinds;
-mod same;
+pub mod same;
 mod words;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use protocol::monitor::columns;
 use run::folder::checkpoint;
 
 use crate::background::{need_programs, sillage};
@@ -24,7 +25,7 @@ fn rows(folder: &Path) -> Vec<Vec<(String, String)>> {
     let text = std::fs::read_to_string(folder.join("steps.csv")).expect("steps");
     let mut lines = text.lines().map(|line| line.split(','));
     let heads: Vec<&str> = lines.next().expect("heads").collect();
-    let lasting = |head: &str| !head.starts_with("wall_") && !head.starts_with("cpu_");
+    let lasting = |head: &str| !columns::is_cost(head);
     let row = |line: std::str::Split<'_, char>| {
         let named = heads.iter().zip(line);
         let lasting = named.filter(|(head, _)| lasting(head));
