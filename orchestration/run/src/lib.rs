@@ -9,7 +9,7 @@
 //! | `folder` | `run.json`, `steps.csv`, the recording, how states get there |
 //! | `vtu` | states for ParaView, written and read back |
 //! | `version`, `file`, `disk` | what this program is; files that others may be reading, on a disk that may be full |
-//! | `tell`, `limits` | words on stderr, which may be gone; open files and threads |
+//! | `tell`, `limits` | words on stderr, which may be gone or not be read; open files and threads |
 //! | `batch` | many scenes, each in a folder of its own, not run again when there |
 
 pub mod batch;

@@ -1,20 +1,25 @@
 //! How far a run is: a bar on a terminal, plain lines otherwise, both on stderr.
 
-use std::io::{IsTerminal, stderr};
+use std::io::{IsTerminal, stderr, stdin};
 use std::time::{Duration, Instant};
 
+use console::Term;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use protocol::message::Diagnostic;
 
 use crate::tell;
+use crate::tell::told;
 
 /// Between two plain lines.
 const QUIET: Duration = Duration::from_secs(5);
+/// Of a bar, in a second.
+const DRAWS: u8 = 10;
 
 /// A bar on stderr, where that is a terminal.
 fn bar(length: u64, style: &str) -> Option<ProgressBar> {
     stderr().is_terminal().then(|| {
-        let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
+        let target = ProgressDrawTarget::term(Term::read_write_pair(stdin(), told()), DRAWS);
+        let bar = ProgressBar::with_draw_target(Some(length), target);
         if let Ok(style) = ProgressStyle::with_template(style) {
             bar.set_style(style);
         }

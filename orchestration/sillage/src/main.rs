@@ -12,7 +12,7 @@ use scene::Error;
 use serde_json::json;
 
 fn main() {
-    protocol::process::log_to_stderr_or("warn");
+    protocol::process::log_through(run::tell::told, "warn");
     let (wants_json, outcome) = match Cli::parse().command {
         Command::Check(args) => (args.json, scenes::check(&args)),
         Command::Plan(args) => (args.json, scenes::plan(&args)),
@@ -28,10 +28,12 @@ fn main() {
         Command::Conform(args) => (args.json, engines::conform(&args)),
         Command::ConformCoupler(args) => (false, engines::die_as_coupler(&args)),
     };
-    std::process::exit(outcome.unwrap_or_else(|error| {
+    let code = outcome.unwrap_or_else(|error| {
         tell(&error, wants_json);
         error.exit_code()
-    }));
+    });
+    run::tell::finish();
+    std::process::exit(code);
 }
 
 /// An error on stderr, and as JSON on stdout when asked for.

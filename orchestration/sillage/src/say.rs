@@ -8,6 +8,8 @@ use scene::Error;
 /// Text on stdout, ending in a newline. A reader that is gone (`sillage plan … | head`) is no error;
 /// any other failure ends the command, since its result is lost.
 pub fn line(text: Arguments<'_>) -> Result<(), Error> {
+    // What was said before it, on stderr, comes first.
+    run::tell::finish();
     let mut out = stdout().lock();
     let text = text.to_string();
     let text = text.strip_suffix('\n').unwrap_or(&text);

@@ -218,7 +218,7 @@ fn soak_of_a_bed_that_is_kept_fluidised_holds_the_same_memory() {
     }
     let mut run = Run::start(&arguments);
     run.wait_for_steps(20);
-    // Hours of progress are more than a pipe holds, and a run waits for whoever reads it.
+    // Hours of progress are more than a pipe holds: read, so that the last words are heard.
     let words = run.child.stderr.take().map(|mut stderr| {
         std::thread::spawn(move || {
             let mut text = String::new();

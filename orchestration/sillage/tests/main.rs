@@ -23,4 +23,5 @@ mod stability;
 mod states;
 mod stops;
 mod strays;
+mod unread;
 mod words;

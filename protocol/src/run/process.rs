@@ -5,6 +5,7 @@ use std::io::{IsTerminal, stderr};
 use std::process::ExitCode;
 
 use tracing_subscriber::filter::Targets;
+use tracing_subscriber::fmt::MakeWriter;
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
@@ -79,17 +80,20 @@ pub fn exit_code(seat: &str, work: impl FnOnce(&RunSpace) -> Result<(), Error>) 
 /// Log to stderr as `SILLAGE_LOG` and `SILLAGE_LOG_FORMAT` ask; without effect when called again.
 pub fn log_to_stderr() {
     // The transport's own records are about its files, not about the run.
-    log_to_stderr_or("info,iceoryx2_bb_loggers=error");
+    log_through(stderr, "info,iceoryx2_bb_loggers=error");
 }
 
-/// The same, with what is logged when `SILLAGE_LOG` does not say: levels of targets, as in
-/// "info,coupler=debug".
-pub fn log_to_stderr_or(default: &str) {
+/// The same, where every line is written to what `writer` makes, and `default` is logged when
+/// `SILLAGE_LOG` does not say: levels of targets, as in "info,coupler=debug".
+pub fn log_through<W>(writer: W, default: &str)
+where
+    W: for<'line> MakeWriter<'line> + Send + Sync + 'static,
+{
     let asked = std::env::var(ENV_LOG).ok();
     let asked = asked.and_then(|words| words.parse::<Targets>().ok());
     let targets = asked.or_else(|| default.parse().ok()).unwrap_or_default();
     let lines = tracing_subscriber::fmt::layer()
-        .with_writer(stderr)
+        .with_writer(writer)
         .with_ansi(stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none())
         // A reader of stderr that is gone must not take the process with it.
         .log_internal_errors(false);
