@@ -14,6 +14,17 @@ pub enum FluidError {
     /// The mesh as a whole is unusable.
     #[error("mesh: {0}")]
     Mesh(String),
+    /// Cells as small as asked are more than there is room for.
+    #[error(
+        "mesh: cells as small as asked for are more than {most} {simplex}s: ask for larger ones, or for small ones in \
+         fewer places"
+    )]
+    TooFine {
+        /// What they are called.
+        simplex: &'static str,
+        /// How many there may be.
+        most: usize,
+    },
     /// A simplex is degenerate or left-handed (clockwise).
     #[error(
         "mesh: {simplex} {number} with corners ({corners}) has the signed {measure} {volume:e} {unit}; \

@@ -2,6 +2,7 @@
 
 mod balance;
 mod benchmarks;
+mod bisection;
 mod costs;
 mod creeping;
 mod held;
