@@ -1,5 +1,7 @@
 //! A fluid without grains, and grains without a fluid.
 
+use space::{Dim, Dimension};
+
 use crate::error::CouplerError;
 use crate::report::StepReport;
 use crate::seats::fluid::FluidSeat;
@@ -19,7 +21,10 @@ pub struct Dry<const D: usize> {
     pub particles: ParticleSeat<D>,
 }
 
-impl<const D: usize, const N: usize> FluidAlone<D, N> {
+impl<const D: usize, const N: usize> FluidAlone<D, N>
+where
+    Dim<D>: Dimension<D>,
+{
     /// Advance the accepted state by dt \[s\]; an error leaves it as it is.
     pub fn advance(&mut self, state: &mut State<D>, dt: f64) -> Result<StepReport, CouplerError> {
         let request = Request::after(state, 1, dt);

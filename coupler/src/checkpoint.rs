@@ -5,7 +5,7 @@
 //! ```
 //!
 //! What the engines are in is theirs: `Save` and `Restore`. A run that is resumed configures its engines as at
-//! its start, takes out the grains that have left since, and gives each its file.
+//! its start, has the mesh follow where it was, takes out the grains that have left since, and gives each its file.
 
 use std::path::Path;
 
@@ -19,11 +19,12 @@ use space::{Dim, Dimension};
 
 use crate::clock::Memory;
 use crate::error::CouplerError;
+use crate::follow::Asked;
 use crate::simulation::Simulation;
 use crate::state::State;
 
 const MAGIC: &[u8] = b"SILLCPL\0";
-const VERSION: u8 = 1;
+const VERSION: u8 = 2;
 
 /// What the coupler is in between two steps.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -32,6 +33,8 @@ pub struct Kept<const D: usize> {
     scene: String,
     /// Of the mesh, where there is a fluid.
     mesh: Option<u32>,
+    /// What that was asked for, where it follows the grains.
+    asked: Option<Asked>,
     /// The clock.
     pub clock: Memory,
     /// The accepted state.
@@ -57,6 +60,7 @@ where
         Kept {
             scene: lasting(&simulation.scene),
             mesh: fluid.map(|seat| checksum(&seat.description)),
+            asked: simulation.asked(),
             clock,
             state: simulation.state.clone(),
             totals: totals.to_vec(),
@@ -98,6 +102,9 @@ where
         simulation: &mut Simulation<D, N>,
     ) -> Result<(), CouplerError> {
         let path = folder.join(checkpoints::COUPLER);
+        if let Some(asked) = &self.asked {
+            simulation.follow_again(asked)?;
+        }
         let mesh = simulation.system.fluid();
         let mesh = mesh.map(|seat| checksum(&seat.description));
         let fits = self

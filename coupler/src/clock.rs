@@ -195,6 +195,7 @@ mod tests {
             grains_stay: false,
             grain_boundaries: None,
             grain_exits: Vec::new(),
+            near_grains: None,
             grains_file: None,
             scheme: Scheme::Staggered,
             drag: DragLaw::Dallavalle,

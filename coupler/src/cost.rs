@@ -83,6 +83,11 @@ impl Meter {
         }
     }
 
+    /// Wall time since then \[s\].
+    pub fn elapsed(&self) -> f64 {
+        self.begin.elapsed().as_secs_f64()
+    }
+
     /// The step is accepted. Engines count from the last accepted step on: passes and failed attempts
     /// are in it.
     pub fn stop<const D: usize, const N: usize>(&self, system: &System<D, N>) -> StepCost
@@ -181,6 +186,12 @@ impl Totals {
     pub fn add_checkpoint(&mut self, seconds: f64) {
         self.sum("checkpoints", 1.0);
         self.sum("seconds_checkpoints", seconds);
+    }
+
+    /// Add a mesh that took so long \[s\].
+    pub fn add_mesh(&mut self, seconds: f64) {
+        self.sum("meshes", 1.0);
+        self.sum("seconds_meshes", seconds);
     }
 
     fn sum(&mut self, name: &str, amount: f64) {

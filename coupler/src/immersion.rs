@@ -8,7 +8,8 @@ use crate::drag::laws::{self, Fluid, POROSITY_RANGE, Shape};
 use crate::drag::slip::implicit_slip_speed;
 use crate::error::{CouplerError, place};
 use crate::exits::Exits;
-use crate::state::{Flow, Grains};
+use crate::state::{Flow, Grains, State};
+use crate::transfer::mesh::Mesh;
 use crate::transfer::{Placement, Transfer};
 
 /// What grains and fluid need of each other.
@@ -41,6 +42,28 @@ where
             paths.map(|(grain, (x, v))| exits.place(transfer, grain, x, &(v * (0.5 * dt))));
         let middle = middle.collect::<Result<Vec<Vector<D>>, _>>()?;
         transfer.place(&middle, &grains.radius)
+    }
+
+    /// Take over another mesh, and bring the fluid's accepted fields to it.
+    pub fn change_mesh(
+        &mut self,
+        mesh: &Mesh<D, N>,
+        state: &mut State<D>,
+    ) -> Result<(), CouplerError> {
+        let transfer = &self.transfer;
+        let nodes = transfer.place_points(&mesh.node_position)?;
+        let State { flow, porosity, .. } = state;
+        // a field that nobody reads is not there
+        for field in [&mut flow.velocity, &mut flow.pressure_gradient] {
+            if !field.is_empty() {
+                *field = transfer.sample(&nodes, field);
+            }
+        }
+        if !porosity.is_empty() {
+            *porosity = transfer.sample(&nodes, porosity);
+        }
+        self.transfer = Transfer::new(mesh, transfer.depth());
+        Ok(())
     }
 
     /// These grains have left, by ascending numbers.

@@ -9,6 +9,7 @@
 //! * [`immersion`]: grains in a fluid, with [`transfer`] and [`drag`]
 //! * [`seats`]: the engines, as the scheme sees them
 //! * [`simulation`], [`setup`] with [`walls`], [`run`], [`clock`]: from a scene to its end
+//! * [`follow`]: when the mesh follows the grains
 //! * [`checkpoint`], [`checkpoints`]: what is kept of a run, so that it can be resumed
 //! * [`budget`], [`report`], [`cost`], [`observe`], [`listener`], [`record`]: what is told of it
 
@@ -22,6 +23,7 @@ pub mod coupled;
 pub mod drag;
 pub mod error;
 pub mod exits;
+pub mod follow;
 pub mod immersion;
 pub mod input;
 pub mod listener;

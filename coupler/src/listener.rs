@@ -14,8 +14,8 @@ use crate::simulation::Simulation;
 
 /// Hears of every step.
 pub enum Listener {
-    /// The orchestrator.
-    Orchestrator(Box<MonitorSender>),
+    /// The orchestrator, and the epoch of the mesh that it knows.
+    Orchestrator(Box<MonitorSender>, u64),
     /// One JSON object a step on standard output.
     Output,
 }
@@ -24,7 +24,7 @@ impl Listener {
     /// Connect to the orchestrator of this run, if it has one.
     pub fn connect(runspace: &RunSpace) -> Result<Listener, CouplerError> {
         Ok(match MonitorSender::connect(runspace)? {
-            Some(sender) => Listener::Orchestrator(Box::new(sender)),
+            Some(sender) => Listener::Orchestrator(Box::new(sender), 0),
             None => Listener::Output,
         })
     }
@@ -38,7 +38,8 @@ impl Listener {
     where
         Dim<D>: Dimension<D>,
     {
-        if let Listener::Orchestrator(sender) = self {
+        if let Listener::Orchestrator(sender, epoch) = self {
+            *epoch = simulation.epoch();
             let hellos = simulation.hellos();
             let fluid = simulation.system.fluid();
             let mesh = fluid.map(|seat| &seat.description);
@@ -50,7 +51,7 @@ impl Listener {
     /// The accepted state of this step is kept.
     pub fn checkpoint(&mut self, step: u64, time: f64) -> Result<(), CouplerError> {
         match self {
-            Listener::Orchestrator(sender) => Ok(sender.checkpoint(step, time)?),
+            Listener::Orchestrator(sender, _) => Ok(sender.checkpoint(step, time)?),
             Listener::Output => Ok(()),
         }
     }
@@ -59,7 +60,7 @@ impl Listener {
     pub fn no_checkpoint(&mut self, why: &str) -> Result<(), CouplerError> {
         tracing::warn!("no checkpoint: {why}");
         match self {
-            Listener::Orchestrator(sender) => Ok(sender.no_checkpoint(why)?),
+            Listener::Orchestrator(sender, _) => Ok(sender.no_checkpoint(why)?),
             Listener::Output => Ok(()),
         }
     }
@@ -67,7 +68,7 @@ impl Listener {
     /// One accepted step.
     pub fn step(&mut self, columns: Vec<Diagnostic>) -> Result<(), CouplerError> {
         match self {
-            Listener::Orchestrator(sender) => Ok(sender.step(columns)?),
+            Listener::Orchestrator(sender, _) => Ok(sender.step(columns)?),
             Listener::Output => {
                 let number = |column: Diagnostic| (column.name, column.value.into());
                 let object = columns.into_iter().map(number).collect();
@@ -89,10 +90,18 @@ impl Listener {
     where
         Dim<D>: Dimension<D>,
     {
-        let Listener::Orchestrator(sender) = self else {
+        let Listener::Orchestrator(sender, epoch) = self else {
             return Ok(());
         };
         simulation.fetch_unread()?;
+        if let Some(seat) = simulation
+            .system
+            .fluid()
+            .filter(|seat| seat.epoch() != *epoch)
+        {
+            *epoch = seat.epoch();
+            sender.mesh(&seat.description)?;
+        }
         let leave = simulation.has_exits();
         let state = &simulation.state;
         let numbers = || state.grains.id.iter().map(|&id| id as f64).collect();
@@ -134,7 +143,7 @@ impl Listener {
     /// The recording ended before the run.
     pub fn recording_ended(&mut self, why: &str) -> Result<(), CouplerError> {
         match self {
-            Listener::Orchestrator(sender) => Ok(sender.recording_ended(why)?),
+            Listener::Orchestrator(sender, _) => Ok(sender.recording_ended(why)?),
             Listener::Output => Ok(()),
         }
     }
@@ -142,7 +151,7 @@ impl Listener {
     /// Was a stop asked for?
     pub fn stop_requested(&mut self) -> bool {
         match self {
-            Listener::Orchestrator(sender) => sender.stop_requested(),
+            Listener::Orchestrator(sender, _) => sender.stop_requested(),
             Listener::Output => false,
         }
     }
@@ -153,7 +162,7 @@ impl Listener {
         error: Option<&CouplerError>,
         totals: Vec<Diagnostic>,
     ) -> Result<(), CouplerError> {
-        let Listener::Orchestrator(sender) = self else {
+        let Listener::Orchestrator(sender, _) = self else {
             return Ok(());
         };
         match error {

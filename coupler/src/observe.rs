@@ -153,6 +153,10 @@ impl Row {
             return;
         };
         let state = &simulation.state;
+        if simulation.asked().is_some() {
+            self.add(columns::NODES, seat.mesh.node_position.len() as f64);
+            self.add(columns::EPOCH, seat.epoch() as f64);
+        }
         self.add("fluid_speed_max", speed_max(&state.flow.velocity));
         if let Some(reynolds) = seat.report.reynolds {
             self.add("reynolds", reynolds);

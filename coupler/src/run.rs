@@ -168,11 +168,9 @@ impl Course {
     where
         Dim<D>: Dimension<D>,
     {
-        let fluid = simulation.system.fluid();
-        let cell = fluid.map_or(f64::INFINITY, |seat| seat.mesh.smallest_cell());
         while !clock.is_over(simulation.state.time) {
-            let before = self.moment(&clock);
-            if let Err(error) = self.step(simulation, &mut clock, cell, listener) {
+            let mut before = self.moment(&clock);
+            if let Err(error) = self.step(simulation, &mut clock, &mut before, listener) {
                 if simulation.is_settled() && !is_of_the_link(&error) {
                     self.keep(simulation, before, listener)?;
                 }
@@ -203,16 +201,23 @@ impl Course {
         &mut self,
         simulation: &mut Simulation<D, N>,
         clock: &mut Clock,
-        cell: f64,
+        before: &mut Moment,
         listener: &mut Listener,
     ) -> Result<(), CouplerError>
     where
         Dim<D>: Dimension<D>,
     {
+        let meter = Meter::start(&simulation.system);
+        if simulation.follow()? {
+            // A step that fails begins on this mesh.
+            before.recorded = self.recording.passed();
+            self.totals.add_mesh(meter.elapsed());
+        }
         let speed = observe::speed_max(&simulation.state.grains.velocity)
             .max(observe::speed_max(&simulation.state.flow.velocity));
+        let fluid = simulation.system.fluid();
+        let cell = fluid.map_or(f64::INFINITY, |seat| seat.smallest_cell);
         let dt = clock.next_step(simulation.state.time, speed, cell);
-        let meter = Meter::start(&simulation.system);
         let report = step_with_retries(simulation, clock, listener, dt)?;
         let cost = meter.stop(&simulation.system);
         self.totals.add(&report, &cost);

@@ -15,6 +15,7 @@ use crate::coupled::step::Coupled;
 use crate::drag::laws::Fluid;
 use crate::error::CouplerError;
 use crate::exits::Exits;
+use crate::follow::Follow;
 use crate::immersion::{Immersion, shapes};
 use crate::one_way::OneWay;
 use crate::seats::door;
@@ -30,13 +31,23 @@ use crate::walls::with_facets;
 /// add up in it, so a held bed is as still as its contact solve is exact.
 const CONTACT_SHARE: f64 = 0.001;
 
+/// A run at its start.
+pub struct Begun<const D: usize, const N: usize> {
+    /// Who computes.
+    pub system: System<D, N>,
+    /// The initial state.
+    pub state: State<D>,
+    /// How the mesh follows the grains, where it does.
+    pub follow: Option<Follow<D>>,
+}
+
 /// Configure the engines and take over their initial state.
 pub fn begin<const D: usize, const N: usize>(
     scene: &CouplerScene,
     fluid: Option<Partner>,
     particles: Option<Partner>,
     grains: &InitialGrains,
-) -> Result<(System<D, N>, State<D>), CouplerError>
+) -> Result<Begun<D, N>, CouplerError>
 where
     Dim<D>: Dimension<D>,
 {
@@ -61,13 +72,17 @@ where
         (Some(fluid), Some(particles)) => immersed(scene, fluid, particles),
         (Some((fluid, part)), None) => {
             let porosity = vec![1.0; fluid.mesh.nodal_mass.len()];
-            let state = state(Grains::default(), at_start(part, &porosity)?, porosity);
-            Ok((System::FluidAlone(Box::new(FluidAlone { fluid })), state))
+            Ok(Begun {
+                state: state(Grains::default(), at_start(part, &porosity)?, porosity),
+                system: System::FluidAlone(Box::new(FluidAlone { fluid })),
+                follow: None,
+            })
         }
-        (None, Some(((particles, grains), _))) => {
-            let state = state(grains, Flow::default(), Vec::new());
-            Ok((System::Dry(Dry { particles }), state))
-        }
+        (None, Some(((particles, grains), _))) => Ok(Begun {
+            system: System::Dry(Dry { particles }),
+            state: state(grains, Flow::default(), Vec::new()),
+            follow: None,
+        }),
         (None, None) => Err(CouplerError::Nothing),
     }
 }
@@ -92,12 +107,17 @@ where
 /// Grains in a fluid.
 fn immersed<const D: usize, const N: usize>(
     scene: &CouplerScene,
-    (fluid, part): (FluidSeat<D, N>, &FluidScene),
+    (mut fluid, part): (FluidSeat<D, N>, &FluidScene),
     ((particles, grains), walls): ((ParticleSeat<D>, Grains<D>), &ParticleScene),
-) -> Result<(System<D, N>, State<D>), CouplerError>
+) -> Result<Begun<D, N>, CouplerError>
 where
     Dim<D>: Dimension<D>,
 {
+    let mut follow = Follow::new(part, scene.near_grains, &fluid.mesh.period);
+    if let Some(sizes) = follow.as_mut().and_then(|follow| follow.wish(&grains)) {
+        let at_rest = |mesh: &Mesh<D, N>, _: &[f64]| Ok(vec![0.0; mesh.nodal_mass.len()]);
+        fluid.adapt(fluid.epoch() + 1, &sizes, at_rest)?;
+    }
     let exits = exits(scene, &fluid, &particles)?;
     let immersion = immersion(scene, part, &fluid.mesh, &grains.radius, exits)?;
     let porosity = match scene.reaction {
@@ -111,7 +131,11 @@ where
             particles,
             immersion,
         };
-        return Ok((System::OneWay(Box::new(system)), state));
+        return Ok(Begun {
+            system: System::OneWay(Box::new(system)),
+            state,
+            follow,
+        });
     }
     let policy = Policy {
         free: 1.0,
@@ -128,7 +152,11 @@ where
         policy,
         deferred,
     };
-    Ok((System::Coupled(Box::new(system)), state))
+    Ok(Begun {
+        system: System::Coupled(Box::new(system)),
+        state,
+        follow,
+    })
 }
 
 /// Grains of these radii \[m\] in the fluid of a scene.

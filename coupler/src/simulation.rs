@@ -3,12 +3,14 @@
 use protocol::engine::InitialGrains;
 use protocol::message::Hello;
 use protocol::partner::Partner;
-use protocol::scene::CouplerScene;
+use protocol::scene::{CouplerScene, Refinement};
 use space::{Dim, Dimension, Vector};
 
 use crate::error::CouplerError;
+use crate::follow::{Asked, Follow};
 use crate::report::StepReport;
 use crate::seats::door;
+use crate::seats::fluid::FluidSeat;
 use crate::setup;
 use crate::state::State;
 use crate::system::System;
@@ -23,6 +25,8 @@ pub struct Simulation<const D: usize, const N: usize> {
     pub system: System<D, N>,
     /// The accepted state.
     pub state: State<D>,
+    /// How the mesh follows the grains, where it does.
+    follow: Option<Follow<D>>,
     /// Are all in that state? Not while a step is being accepted.
     settled: bool,
 }
@@ -38,14 +42,61 @@ where
         particles: Option<Partner>,
         grains: &InitialGrains,
     ) -> Result<Simulation<D, N>, CouplerError> {
-        let (system, state) = setup::begin(&scene, fluid, particles, grains)?;
+        let setup::Begun {
+            system,
+            state,
+            follow,
+        } = setup::begin(&scene, fluid, particles, grains)?;
         Ok(Simulation {
             gravity: door::vector(&scene.gravity, "gravity")?,
             scene,
             system,
             state,
+            follow,
             settled: true,
         })
+    }
+
+    /// Let the mesh follow the grains, before a step; true where it did.
+    pub fn follow(&mut self) -> Result<bool, CouplerError> {
+        let wish = self
+            .follow
+            .as_mut()
+            .and_then(|f| f.wish(&self.state.grains));
+        let Some(sizes) = wish else { return Ok(false) };
+        let epoch = self.epoch() + 1;
+        self.adapt(epoch, &sizes)?;
+        Ok(true)
+    }
+
+    /// Go back to the mesh that was asked for when a state was kept.
+    pub fn follow_again(&mut self, asked: &Asked) -> Result<(), CouplerError> {
+        let sizes = self.follow.as_mut().and_then(|f| f.again(asked));
+        match sizes.filter(|_| asked.epoch > self.epoch()) {
+            Some(sizes) => self.adapt(asked.epoch, &sizes),
+            None => Ok(()),
+        }
+    }
+
+    /// What the mesh was asked for last.
+    pub fn asked(&self) -> Option<Asked> {
+        let follow = self.follow.as_ref()?;
+        Some(follow.asked(self.epoch()))
+    }
+
+    fn adapt(&mut self, epoch: u64, sizes: &Refinement) -> Result<(), CouplerError> {
+        self.system.adapt(epoch, sizes, &mut self.state)?;
+        tracing::info!(
+            step = self.state.step,
+            epoch = self.epoch(),
+            "the mesh follows"
+        );
+        Ok(())
+    }
+
+    /// Epoch of the mesh; 0 without a fluid.
+    pub fn epoch(&self) -> u64 {
+        self.system.fluid().map_or(0, FluidSeat::epoch)
     }
 
     /// Advance the accepted state by dt \[s\].

@@ -1,6 +1,7 @@
 //! What is coupled with what, chosen once from the scene.
 
 use protocol::partner::Partner;
+use protocol::scene::Refinement;
 use space::{Dim, Dimension};
 
 use crate::alone::{Dry, FluidAlone};
@@ -96,6 +97,29 @@ where
         match self.seats_mut() {
             (_, Some(seat)) => seat.remove(gone, left, step),
             _ => Ok(()),
+        }
+    }
+
+    /// Ask the fluid for cells of these sizes, on a mesh of this epoch; the state follows.
+    pub fn adapt(
+        &mut self,
+        epoch: u64,
+        sizes: &Refinement,
+        state: &mut State<D>,
+    ) -> Result<(), CouplerError> {
+        let (fluid, immersion) = match self {
+            System::Coupled(system) => (&mut system.engines.fluid, &mut system.immersion),
+            System::OneWay(system) => (&mut system.fluid, &mut system.immersion),
+            System::FluidAlone(_) | System::Dry(_) => return Ok(()),
+        };
+        let transfer = &immersion.transfer;
+        let changed = fluid.adapt(epoch, sizes, |mesh, pressure| {
+            let nodes = transfer.place_points(&mesh.node_position)?;
+            Ok(transfer.sample(&nodes, pressure))
+        })?;
+        match changed {
+            true => immersion.change_mesh(&fluid.mesh, state),
+            false => Ok(()),
         }
     }
 

@@ -13,17 +13,30 @@ pub struct Cost {
     pub solve: f64,
     /// Numbers of a candidate: the energy identity, forces, Re.
     pub powers: f64,
+    /// New meshes, and what is carried over to them; none where the mesh stays.
+    pub mesh: Option<f64>,
 }
 
 impl Cost {
     /// As diagnostics.
     pub fn numbers(&self) -> Numbers {
-        named([
+        let mut numbers = named([
             ("seconds_assembly", self.assembly),
             ("seconds_factor", self.factor),
             ("seconds_solve", self.solve),
             ("seconds_powers", self.powers),
-        ])
+        ]);
+        let mesh = self.mesh.map(|seconds| ("seconds_mesh", seconds));
+        numbers.extend(named(mesh));
+        numbers
+    }
+
+    /// Count from now on.
+    pub fn forget(&mut self) {
+        *self = Cost {
+            mesh: self.mesh.map(|_| 0.0),
+            ..Cost::default()
+        };
     }
 }
 

@@ -14,6 +14,7 @@
 //! * [`boundary`]: conditions, resolved to nodes
 //! * [`linear`]: factor and refinement
 //! * [`step`], [`problem`], [`solve`]: advance and commit; one step; Picard and Newton
+//! * [`refined`]: the same on a mesh that follows a size function
 //! * [`diagnostics`]: the energy identity, forces on boundaries
 //! * [`serve`]: the seat in the coupled system, the only file that knows the protocol
 //!
@@ -49,6 +50,7 @@ pub mod linear;
 pub mod mesh;
 pub mod numbers;
 pub mod problem;
+pub mod refined;
 pub mod serve;
 pub mod solid;
 pub mod solve;

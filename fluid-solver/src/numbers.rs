@@ -4,8 +4,9 @@
 pub type Numbers = Vec<(String, f64)>;
 
 /// Numbers from names that are known at compile time.
-pub(crate) fn named<const K: usize>(numbers: [(&str, f64); K]) -> Numbers {
+pub(crate) fn named<'a>(numbers: impl IntoIterator<Item = (&'a str, f64)>) -> Numbers {
+    let numbers = numbers.into_iter();
     numbers
         .map(|(name, value)| (name.to_owned(), value))
-        .to_vec()
+        .collect()
 }

@@ -108,9 +108,19 @@ where
         &self.constraints
     }
 
+    /// What it was made with.
+    pub fn config(&self) -> &FluidConfig<D> {
+        &self.config
+    }
+
     /// Count costs from now on.
     pub fn forget_cost(&mut self) {
-        self.cost = Cost::default();
+        self.cost.forget();
+    }
+
+    /// A new mesh has cost so much \[s\].
+    pub fn add_cost_of_mesh(&mut self, seconds: f64) {
+        *self.cost.mesh.get_or_insert(0.0) += seconds;
     }
 
     /// A step without convection while the flow creeps; the first candidate that does not is solved

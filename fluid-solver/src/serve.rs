@@ -24,6 +24,8 @@ use crate::error::FluidError;
 use crate::mesh::file;
 use crate::mesh::rectangle::{Diagonals, Rectangle};
 use crate::mesh::simplices::Mesh;
+use crate::mesh::{Place, Root, Zone};
+use crate::refined::{self, Refined, Refinement};
 use crate::solid::SolidFields;
 use crate::state::State;
 use crate::step::FluidSolver;
@@ -35,6 +37,8 @@ const TYPED: [&str; 3] = ["solid_power", "reynolds", "convection"];
 #[derive(Default)]
 pub struct Engine {
     solver: Option<FluidSolver<2, 3>>,
+    /// How its mesh follows, where the scene asks for that.
+    refined: Option<Refined<2, 3>>,
 }
 
 /// `main` of the engine's process.
@@ -53,37 +57,39 @@ impl FluidEngine for Engine {
             Capability::Checkpoint,
             Capability::ConvectionAsNeeded,
             Capability::SteersMeanFlow,
+            Capability::Adapts,
         ]
     }
 
     fn configure(&mut self, scene: &FluidScene) -> Result<MeshDescription, Failure> {
         let config = config(scene).map_err(unusable)?;
         let refuse = |error: FluidError| Failure::new(FailureKind::Scene, error.to_string());
-        let mesh = match Source::of(&scene.mesh).map_err(unusable)? {
-            Source::File(path, options) => {
-                file::read(path, &options, |name| config.boundaries.contains_key(name))
+        let source = Source::of(&scene.mesh).map_err(unusable)?;
+        let solver = match &scene.refinement {
+            None => {
+                let mesh = source.mesh(&config).map_err(refuse)?;
+                FluidSolver::new(config, mesh).map_err(refuse)?
             }
-            Source::Rectangle(rectangle) => {
-                periodic_directions(&config.boundaries).and_then(|periodic| {
-                    Rectangle {
-                        periodic,
-                        ..rectangle
-                    }
-                    .mesh()
-                })
+            Some(sizes) => {
+                let root = source.root(&config).map_err(refuse)?;
+                let sizes = refinement(sizes).map_err(unusable)?;
+                let (solver, follows) = refined::solver(config, root, &sizes).map_err(refuse)?;
+                self.refined = Some(follows);
+                solver
             }
-        }
-        .map_err(refuse)?;
-        let mut description = describe(&mesh);
-        tracing::info!(
-            nodes = mesh.node_count(),
-            triangles = mesh.simplices.len(),
-            "mesh"
-        );
-        let solver = FluidSolver::new(config, mesh).map_err(refuse)?;
-        description.facets = describe_facets(&solver);
+        };
+        let description = describe(&solver);
         self.solver = Some(solver);
         Ok(description)
+    }
+
+    fn adapt(&mut self, sizes: &scene::Refinement) -> Result<Option<MeshDescription>, Failure> {
+        let sizes = refinement(sizes).map_err(unusable)?;
+        let (Some(solver), Some(refined)) = (&mut self.solver, &mut self.refined) else {
+            return Ok(None);
+        };
+        let changed = refined.adapt(solver, &sizes).map_err(failure)?;
+        Ok(changed.then(|| describe(solver)))
     }
 
     fn advance(
@@ -174,7 +180,7 @@ fn failure(error: FluidError) -> Failure {
         FluidError::NotConverged { .. } | FluidError::LinearResidual { .. } => {
             FailureKind::NotConverged
         }
-        FluidError::Unbalanced { .. } => FailureKind::Scene,
+        FluidError::Unbalanced { .. } | FluidError::TooFine { .. } => FailureKind::Scene,
         _ => FailureKind::Engine,
     };
     Failure::new(kind, error.to_string())
@@ -237,6 +243,32 @@ fn condition(boundary: &scene::Boundary<[f64; 2]>) -> Condition<2> {
     }
 }
 
+fn refinement(asked: &scene::Refinement) -> Result<Refinement<2>, String> {
+    let zone = |region: &scene::Region| {
+        let place = match region {
+            scene::Region::Ball { centre, radius, .. } => Place::Ball {
+                centre: fixed(centre)?.into(),
+                radius: *radius,
+            },
+            scene::Region::Box { lower, upper, .. } => Place::Box {
+                lower: fixed(lower)?.into(),
+                upper: fixed(upper)?.into(),
+            },
+        };
+        let size = region.size();
+        Ok(Zone { place, size })
+    };
+    Ok(Refinement {
+        zones: asked
+            .regions
+            .iter()
+            .map(zone)
+            .collect::<Result<_, String>>()?,
+        growth: asked.growth,
+        largest: asked.largest,
+    })
+}
+
 /// Where the mesh comes from.
 enum Source<'a> {
     File(&'a Path, Options),
@@ -275,8 +307,53 @@ impl Source<'_> {
     }
 }
 
+impl Source<'_> {
+    fn mesh(self, config: &FluidConfig<2>) -> Result<Mesh<2, 3>, FluidError> {
+        match self {
+            Source::File(path, options) => {
+                file::read(path, &options, |name| config.boundaries.contains_key(name))
+            }
+            Source::Rectangle(rectangle) => {
+                let periodic = periodic_directions(&config.boundaries)?;
+                let rectangle = Rectangle {
+                    periodic,
+                    ..rectangle
+                };
+                rectangle.mesh()
+            }
+        }
+    }
+
+    /// The cells that a mesh is refined from.
+    fn root(self, config: &FluidConfig<2>) -> Result<Root<2>, FluidError> {
+        match self {
+            Source::Rectangle(rectangle) if rectangle.grading == Vector::from([1.0; 2]) => {
+                Ok(Root {
+                    lower: rectangle.lower,
+                    upper: rectangle.upper,
+                    cells: rectangle.cells,
+                    periodic: periodic_directions(&config.boundaries)?,
+                })
+            }
+            Source::Rectangle(_) => Err(FluidError::Mesh(
+                "a rectangle is refined from cells of one size: leave its grading out".to_owned(),
+            )),
+            Source::File(..) => Err(FluidError::Mesh(
+                "a mesh that is read from a file is taken as it is: leave its refinement out"
+                    .to_owned(),
+            )),
+        }
+    }
+}
+
 /// The mesh as the coupler needs it.
-fn describe(mesh: &Mesh<2, 3>) -> MeshDescription {
+fn describe(solver: &FluidSolver<2, 3>) -> MeshDescription {
+    let mesh = solver.mesh();
+    tracing::info!(
+        nodes = mesh.node_count(),
+        triangles = mesh.simplices.len(),
+        "mesh"
+    );
     let nodes = mesh.simplices.iter().flatten();
     MeshDescription {
         dimension: 2,
@@ -285,7 +362,7 @@ fn describe(mesh: &Mesh<2, 3>) -> MeshDescription {
         simplex_position: flat::numbers(mesh.corners.as_flattened()).to_vec(),
         nodal_mass: mesh.nodal_mass.clone(),
         period: mesh.period.to_vec(),
-        facets: FacetDescription::default(),
+        facets: describe_facets(solver),
     }
 }
 
@@ -358,6 +435,7 @@ mod tests {
             initial_velocity: vec![0.0; 2],
             threads: 1,
             mean_flow: MeanFlow::Free,
+            refinement: None,
         }
     }
 

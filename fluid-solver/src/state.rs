@@ -79,6 +79,41 @@ impl<const D: usize> State<D> {
         flow
     }
 
+    /// The same on another mesh, whose nodes are at these nodes and shape functions of this one ((H2) in
+    /// `refined`).
+    pub(crate) fn carried<const N: usize>(&self, spots: &[([u32; N], [f64; N])]) -> State<D> {
+        let at = |values: &[f64]| -> Vec<f64> {
+            let sum = |(nodes, weights): &([u32; N], [f64; N])| {
+                let terms = nodes.iter().zip(weights);
+                terms
+                    .map(|(&node, weight)| values[node as usize] * weight)
+                    .sum()
+            };
+            spots.iter().map(sum).collect()
+        };
+        let flow = |flow: &Flow<D>| -> Flow<D> {
+            let velocity = flow.interstitial_velocity();
+            let porosity = at(&flow.porosity);
+            let moving = spots.iter().zip(&porosity).map(|((nodes, weights), phi)| {
+                let terms = nodes.iter().zip(weights);
+                let sum = |sum: Vector<D>, (&node, weight): (&u32, &f64)| {
+                    sum + velocity[node as usize] * *weight
+                };
+                terms.fold(Vector::zeros(), sum) * *phi
+            });
+            Flow {
+                superficial_velocity: moving.collect(),
+                porosity,
+            }
+        };
+        State {
+            now: flow(&self.now),
+            before: self.before.as_ref().map(|(before, dt)| (flow(before), *dt)),
+            pressure: at(&self.pressure),
+            ..*self
+        }
+    }
+
     /// Write to a file, bit for bit; it appears complete or not at all.
     pub fn save(&self, path: &Path) -> Result<(), FluidError> {
         let mut bytes = [MAGIC, &[VERSION]].concat();

@@ -7,6 +7,7 @@ use space::{Dim, Dimension};
 use crate::boundary::constraints::Constraints;
 use crate::candidate::{Candidate, Request};
 use crate::config::FluidConfig;
+use crate::cost::cpu_seconds;
 use crate::error::FluidError;
 use crate::mesh::simplices::Mesh;
 use crate::problem::{Problem, Step};
@@ -58,6 +59,21 @@ where
     pub fn set_state(&mut self, state: State<D>) {
         self.accepted = state;
         self.candidate = None;
+    }
+
+    /// Go on on another mesh, whose nodes are at these nodes and shape functions of the one before.
+    pub(crate) fn change_mesh(
+        &mut self,
+        mesh: Mesh<D, N>,
+        spots: &[([u32; N], [f64; N])],
+    ) -> Result<(), FluidError> {
+        let begin = cpu_seconds();
+        let state = self.accepted.carried(spots);
+        let mut problem = Problem::new(self.problem.config().clone(), mesh)?;
+        problem.add_cost_of_mesh(cpu_seconds() - begin);
+        self.problem = problem;
+        self.set_state(state);
+        Ok(())
     }
 
     /// Compute a candidate from the accepted state, which stays as it is. Fails on a `dt` that is not

@@ -58,6 +58,7 @@ pub fn fluid(
         grad_div: 1.0,
         initial_velocity: vec![0.0, 0.0],
         threads: 1,
+        refinement: None,
         mean_flow: Default::default(),
     }
 }
@@ -128,6 +129,7 @@ pub fn scene(
         grains_stay: false,
         grain_boundaries: None,
         grain_exits: Vec::new(),
+        near_grains: None,
         grains_file: None,
         scheme: Scheme::Iterated {
             tolerance: 1e-3,

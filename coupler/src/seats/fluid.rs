@@ -8,8 +8,8 @@ use protocol::message::{Capability, Diagnostic};
 use protocol::partner::Partner;
 use protocol::process;
 use protocol::report::{FluidReport, Report};
-use protocol::scene::FluidScene;
-use space::flat;
+use protocol::scene::{FluidScene, Refinement};
+use space::{Dim, Dimension, flat};
 
 use crate::error::CouplerError;
 use crate::seats::door::{self, can, withhold};
@@ -28,6 +28,8 @@ pub struct FluidSeat<const D: usize, const N: usize> {
     pub description: MeshDescription,
     /// The mesh it solves on.
     pub mesh: Mesh<D, N>,
+    /// h of its smallest cell \[m\].
+    pub smallest_cell: f64,
     /// Nodal pressure \[Pa\].
     pressure: Vec<f64>,
     /// Is it that of the last candidate?
@@ -40,7 +42,10 @@ pub struct FluidSeat<const D: usize, const N: usize> {
     pub wall: f64,
 }
 
-impl<const D: usize, const N: usize> FluidSeat<D, N> {
+impl<const D: usize, const N: usize> FluidSeat<D, N>
+where
+    Dim<D>: Dimension<D>,
+{
     /// Configure an engine that has said hello, and let it keep back what is not read in every pass.
     pub fn new(
         mut partner: Partner,
@@ -48,11 +53,13 @@ impl<const D: usize, const N: usize> FluidSeat<D, N> {
         unread: &[Field],
     ) -> Result<FluidSeat<D, N>, CouplerError> {
         let description = partner.configure_fluid(scene)?;
+        let mesh: Mesh<D, N> = door::mesh(&description)?;
         Ok(FluidSeat {
             withheld: withhold(&mut partner, unread)?,
             partner,
             leaves_out: process::may_leave_out(),
-            mesh: door::mesh(&description)?,
+            smallest_cell: mesh.smallest_cell(),
+            mesh,
             pressure: vec![0.0; description.nodal_mass.len()],
             description,
             pressure_is_new: true,
@@ -75,6 +82,34 @@ impl<const D: usize, const N: usize> FluidSeat<D, N> {
     /// The same, to look at.
     pub fn engine(&self) -> &Partner {
         &self.partner
+    }
+
+    /// Epoch of the mesh.
+    pub fn epoch(&self) -> u64 {
+        self.partner.epoch()
+    }
+
+    /// Ask for cells of these sizes; true where the mesh is another one, of this epoch, from now on. `carry` brings
+    /// a nodal field from the mesh before to this one.
+    pub fn adapt(
+        &mut self,
+        epoch: u64,
+        sizes: &Refinement,
+        carry: impl FnOnce(&Mesh<D, N>, &[f64]) -> Result<Vec<f64>, CouplerError>,
+    ) -> Result<bool, CouplerError> {
+        let begin = Instant::now();
+        // it is kept back on the mesh before
+        let _ = self.pressure()?;
+        let told = self.partner.adapt(epoch, sizes)?;
+        let changed = told.is_some();
+        if let Some(description) = told {
+            let mesh = door::mesh(&description)?;
+            self.pressure = carry(&mesh, &self.pressure)?;
+            self.smallest_cell = mesh.smallest_cell();
+            (self.mesh, self.description) = (mesh, description);
+        }
+        self.wall += begin.elapsed().as_secs_f64();
+        Ok(changed)
     }
 
     /// One solve (S2); without a response the fluid is alone.

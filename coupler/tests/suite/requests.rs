@@ -134,6 +134,7 @@ fn scene(scheme: Scheme) -> CouplerScene {
         initial_velocity: vec![0.0, 0.0],
         threads: 1,
         mean_flow: Default::default(),
+        refinement: None,
     };
     let particles = ParticleScene {
         dimension: 2,
@@ -160,6 +161,7 @@ fn scene(scheme: Scheme) -> CouplerScene {
         grains_stay: false,
         grain_boundaries: None,
         grain_exits: Vec::new(),
+        near_grains: None,
         grains_file: None,
         scheme,
         drag: DragLaw::Stokes,

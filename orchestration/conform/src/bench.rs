@@ -380,6 +380,7 @@ fn name(message: &ToCoupler) -> &'static str {
         ToCoupler::Stored => "Stored",
         ToCoupler::Failed(_) => "Failed",
         ToCoupler::Told { .. } => "Told",
+        ToCoupler::Kept => "Kept",
     }
 }
 

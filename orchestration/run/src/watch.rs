@@ -119,7 +119,9 @@ impl Watch<'_> {
                     ToOrchestrator::NoCheckpoint(why) => {
                         self.progress.say(&format!("no checkpoint: {why}"));
                     }
-                    ToOrchestrator::Snapshot { .. } | ToOrchestrator::Checkpoint { .. } => {}
+                    ToOrchestrator::Snapshot { .. }
+                    | ToOrchestrator::Checkpoint { .. }
+                    | ToOrchestrator::Mesh { .. } => {}
                 }
                 self.writer.take(event);
             }

@@ -5,7 +5,7 @@
 //! of what is relative or left out (`boundaries`, `walls`, `outline`, `grains`, `resolve`). Problems carry file,
 //! line, key and what is allowed; all range problems of a scene are reported at once. `plan` tells
 //! which processes, terms and fields the scene needs; `memory` bounds what is asked for,
-//! `times` that steps and states go together. `kept` is a scene as a run folder has it, for a run that is resumed.
+//! `refinement` says how large cells may be, `times` that steps and states go together. `kept` is a scene as a run folder has it, for a run that is resumed.
 
 pub mod boundaries;
 pub mod check;
@@ -24,6 +24,7 @@ pub mod plan;
 pub mod problem;
 pub mod read;
 pub mod record;
+mod refinement;
 pub mod resolve;
 mod scene;
 mod sides;

@@ -12,10 +12,11 @@ use crate::boundaries;
 use crate::check::Checker;
 use crate::document::Document;
 use crate::grains::{self, GrainTable};
-use crate::keys::{Coupling, Fluid, Rectangle, SceneFile};
+use crate::keys::{Coupling, Fluid, Rectangle, RefinementKeys, SceneFile};
 use crate::mean_flow;
 use crate::mesh_file::{self, Mesh};
 use crate::outline::Outline;
+use crate::refinement;
 use crate::scene::Scene;
 use crate::sides::Sides;
 use crate::walls::{self, GrainRoom};
@@ -74,6 +75,9 @@ pub fn resolve(
         GrainTable::default()
     };
     refuse_thin_slab(&keys, &table, checker);
+    if let Some(fluid) = keys.fluid.as_ref().filter(|_| checker.problems.is_empty()) {
+        refinement::check_memory(fluid, &table, checker);
+    }
     let particles =
         (!keys.grains.is_empty()).then(|| particle_part(&keys, walls, room.as_ref(), threads));
     let grain_boundaries = walls::of_mesh(&keys, conditions);
@@ -130,6 +134,7 @@ fn fluid_part(
             None => boundaries::check_mesh(&boundaries, checker),
         }
         mean_flow::check(keys, fluid, &boundaries, checker);
+        refinement::check(keys, fluid, checker);
     }
     // Suspensions need the full grad-div term for local mass balance; around bodies in clear flow
     // it is too dissipative.
@@ -152,6 +157,7 @@ fn fluid_part(
         initial_velocity: fluid.initial_velocity.to_vec(),
         threads,
         mean_flow: fluid.mean_flow.unwrap_or_default().map(|v| v.to_vec()),
+        refinement: fluid.refinement.as_ref().map(RefinementKeys::sizes),
     };
     (part, read)
 }
@@ -251,6 +257,10 @@ fn coupler_part(
         grains_stay: false,
         grain_boundaries: None,
         grain_exits: Vec::new(),
+        near_grains: keys
+            .fluid
+            .as_ref()
+            .and_then(|fluid| fluid.refinement.as_ref()?.near()),
         grains_file: particles.is_some().then(|| GRAINS_FILE.to_string()),
         fluid,
         particles,

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 
 use run::vtu::mesh::Mesh;
+use run::vtu::read::State;
+use scene::Error;
 
 /// A point or vector of the plane.
 pub type Point = [f64; 2];
@@ -29,6 +31,27 @@ impl Triangles {
             node_of: mesh.node_of,
             node_count: mesh.node_count,
         })
+    }
+
+    /// Those of a state that was written: every point is a node of its own; none in a state without them.
+    pub fn of_state(state: &State) -> Result<Option<Triangles>, Error> {
+        let points = state.vectors::<2>("position")?;
+        let corners = state.indices("connectivity")?;
+        let (Some(points), Some(corners)) = (points, corners) else {
+            return Ok(None);
+        };
+        let outside = |&corner: &i64| corner < 0 || corner as usize >= points.len();
+        if corners.iter().any(outside) {
+            let why = "a triangle names a point that is not there";
+            return Err(state.refuse("connectivity", why));
+        }
+        let corners: Vec<u32> = corners.iter().map(|&corner| corner as u32).collect();
+        Ok(Some(Triangles {
+            node_of: (0..points.len() as u32).collect(),
+            node_count: points.len(),
+            triangles: triples(&corners),
+            points,
+        }))
     }
 
     /// Lower left and upper right corner of all points \[m\].

@@ -200,6 +200,15 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
                 let why = "grains leave there, and this engine cannot take grains out (capability RemovesGrains)";
                 self.stop(key, why.to_owned());
             }
+            ToEngine::Adapt { epoch, sizes } if self.partner.adapts() => {
+                let mesh = self.partner.adapt(epoch, &sizes)?;
+                self.answers = mesh.as_ref().map_or_else(Vec::new, mesh_fields);
+            }
+            ToEngine::Adapt { .. } => {
+                let why =
+                    "the mesh changes there, and this engine keeps its own (capability Adapts)";
+                self.stop(key, why.to_owned());
+            }
             ToEngine::Save { .. } | ToEngine::Finish => {}
         }
         Ok(())
@@ -262,7 +271,10 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
                 self.stop(key, why);
             }
             (ToCoupler::Failed(_), _) => self.report.answers += 1,
-            (ToCoupler::Ready(_) | ToCoupler::Stored | ToCoupler::Told { .. }, _) => {}
+            (
+                ToCoupler::Ready(_) | ToCoupler::Stored | ToCoupler::Told { .. } | ToCoupler::Kept,
+                _,
+            ) => {}
         }
     }
 

@@ -30,6 +30,7 @@ pub(crate) fn unexpected(who: &str, step: u64, message: &ToCoupler, expected: &s
         ToCoupler::Stored => "Stored",
         ToCoupler::Failed(_) => "Failed",
         ToCoupler::Told { .. } => "Told",
+        ToCoupler::Kept => "Kept",
     };
     Error::invalid(
         who,
@@ -103,6 +104,19 @@ pub(crate) fn cannot_steer(who: &str, engine: &str) -> Error {
     let why = format!(
         "the scene steers the mean flow (fluid.mean_flow), which {engine} cannot do (capability \
          SteersMeanFlow): write mean_flow = \"free\", or leave [engines] fluid out"
+    );
+    Error::Engine {
+        who: who.to_owned(),
+        step: 0,
+        failure: Failure::new(FailureKind::Scene, why),
+    }
+}
+
+/// The scene asks for cells of other sizes than those of this engine's mesh.
+pub(crate) fn cannot_adapt(who: &str, engine: &str) -> Error {
+    let why = format!(
+        "the scene says how large cells are (fluid.refinement), which {engine} does not go by (capability Adapts): \
+         leave that table out, or [engines] fluid"
     );
     Error::Engine {
         who: who.to_owned(),

@@ -11,14 +11,15 @@ use crate::language::header::{FieldHeader, Stage};
 use crate::language::message::{
     Advance, Capability, Configure, Done, Hello, Ready, Role, ToCoupler, ToEngine,
 };
-use crate::language::scene::{Convection, FluidScene, Limits, ParticleScene};
+use crate::language::scene::{Convection, FluidScene, Limits, ParticleScene, Refinement};
 use crate::run::limits;
 use crate::run::runspace::RunSpace;
 use crate::transport::channel::{Channel, Wait, seconds};
 use crate::transport::exchange::{Counts, Moment, receive_grains};
 
 use super::check::{
-    cannot_steer, check_done, count, parse, require_finite_report, same_dimension, unexpected,
+    cannot_adapt, cannot_steer, check_done, count, parse, require_finite_report, same_dimension,
+    unexpected,
 };
 use super::hello::hello;
 use super::told;
@@ -105,33 +106,84 @@ impl Partner {
         if !able(Capability::SteersMeanFlow) && scene.mean_flow.is_steered() {
             return Err(cannot_steer(self.seat(), &self.hello().engine));
         }
+        if !able(Capability::Adapts) && scene.refinement.is_some() {
+            return Err(cannot_adapt(self.seat(), &self.hello().engine));
+        }
         self.send(&ToEngine::Configure(Configure::Fluid(Box::new(scene))))?;
         let wait = Wait::new(0, "Ready", seconds(self.limits.configure));
         match self.answer(wait)? {
-            ToCoupler::Ready(Ready::Mesh {
-                epoch,
-                dimension,
-                nodes,
-                simplices,
-                period,
-                facets,
-                boundaries,
-            }) => {
-                same_dimension(self.seat(), scene_dimension, dimension)?;
-                self.counts = Counts {
-                    epoch,
-                    dimension: scene_dimension,
-                    nodes: count(self.seat(), "nodes", nodes)?,
-                    simplices: count(self.seat(), "simplices", simplices)?,
-                    facets: count(self.seat(), "facets", facets)?,
-                    grains: 0,
-                };
-                let mut mesh = told::mesh(&self.counts, &mut *self.channel, period, wait)?;
-                mesh.facets = told::facets(&self.counts, &mut *self.channel, boundaries, wait)?;
-                Ok(mesh)
-            }
+            ToCoupler::Ready(ready) => self.mesh(ready, scene_dimension, wait),
             other => Err(unexpected(self.seat(), 0, &other, "Ready with a mesh")),
         }
+    }
+
+    /// Does the engine go by sizes of cells?
+    pub fn adapts(&self) -> bool {
+        self.hello.capabilities.contains(&Capability::Adapts)
+    }
+
+    /// Ask for cells of these sizes: after `Ready` or a commit, before the next `advance`; answered by the mesh of
+    /// this epoch, or none where the mesh stays. Only an engine that [adapts](Partner::adapts) understands it.
+    pub fn adapt(
+        &mut self,
+        epoch: u64,
+        sizes: &Refinement,
+    ) -> Result<Option<MeshDescription>, Error> {
+        let sizes = sizes.clone();
+        self.send(&ToEngine::Adapt { epoch, sizes })?;
+        let awaited = "Ready after Adapt";
+        let wait = Wait::new(self.step, awaited, seconds(self.limits.configure));
+        match self.answer(wait)? {
+            ToCoupler::Kept => Ok(None),
+            ToCoupler::Ready(ready) => {
+                let mesh = self.mesh(ready, self.counts.dimension, wait)?;
+                if self.counts.epoch != epoch {
+                    let why = format!("epoch {}, asked for was {epoch}", self.counts.epoch);
+                    return Err(Error::invalid(self.seat(), self.step, "Ready", why));
+                }
+                Ok(Some(mesh))
+            }
+            other => Err(unexpected(self.seat(), self.step, &other, awaited)),
+        }
+    }
+
+    /// The mesh that was told, and its counts.
+    fn mesh(
+        &mut self,
+        ready: Ready,
+        dimension_asked: usize,
+        wait: Wait<'_>,
+    ) -> Result<MeshDescription, Error> {
+        let Ready::Mesh {
+            epoch,
+            dimension,
+            nodes,
+            simplices,
+            period,
+            facets,
+            boundaries,
+        } = ready
+        else {
+            let ready = ToCoupler::Ready(ready);
+            return Err(unexpected(
+                self.seat(),
+                self.step,
+                &ready,
+                "Ready with a mesh",
+            ));
+        };
+        same_dimension(self.seat(), dimension_asked, dimension)?;
+        self.counts = Counts {
+            epoch,
+            dimension: dimension_asked,
+            nodes: count(self.seat(), "nodes", nodes)?,
+            simplices: count(self.seat(), "simplices", simplices)?,
+            facets: count(self.seat(), "facets", facets)?,
+            grains: 0,
+        };
+        let mut mesh = told::mesh(&self.counts, &mut *self.channel, period, wait)?;
+        mesh.facets = told::facets(&self.counts, &mut *self.channel, boundaries, wait)?;
+        Ok(mesh)
     }
 
     /// Send the particles' part of the scene and the initial grains; answered by the grains that

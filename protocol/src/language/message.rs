@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::field::{FROM_FLUID, FROM_PARTICLES, Field};
 use super::report::Report;
-use super::scene::{FluidScene, ParticleScene};
+use super::scene::{FluidScene, ParticleScene, Refinement};
 
 pub use super::role::Role;
 
@@ -31,6 +31,8 @@ pub enum Capability {
     Spin,
     /// Particles: knows `Remove`; others are refused a scene that grains may leave.
     RemovesGrains,
+    /// Fluid: takes `FluidScene::refinement` and knows `Adapt`; others are refused a scene with it.
+    Adapts,
 }
 
 /// First message of an engine.
@@ -261,6 +263,16 @@ pub enum ToEngine {
         /// Their numbers in the present order, ascending; at most [`REMOVED_MAX`] at once.
         grains: Vec<u64>,
     },
+    /// Take cells of these sizes, in place of all that was asked before: after `Ready` or `Commit`, before the
+    /// next `Advance`; a run that is resumed does so before `Restore`. The state is carried over to the new
+    /// mesh, which depends on the sizes and on nothing else. Answered by `Ready(Mesh)` with this epoch and its
+    /// fields, or by `Kept`.
+    Adapt {
+        /// Epoch of the mesh that is asked for.
+        epoch: u64,
+        /// How large cells are.
+        sizes: Refinement,
+    },
 }
 
 /// Engine → coupler.
@@ -282,6 +294,8 @@ pub enum ToCoupler {
         /// The fields that follow.
         fields: Vec<Field>,
     },
+    /// Answer to `Adapt`: the mesh stays as it is, and so does its epoch.
+    Kept,
 }
 
 /// Coupler → orchestrator.
@@ -336,6 +350,13 @@ pub enum ToOrchestrator {
     },
     /// The accepted state cannot be kept, for this reason; the run goes on.
     NoCheckpoint(String),
+    /// The mesh is another one from the next state on; its fields follow.
+    Mesh {
+        /// Nodes.
+        nodes: u64,
+        /// Simplices.
+        simplices: u64,
+    },
 }
 
 /// Orchestrator → coupler.

@@ -41,6 +41,11 @@ pub const PENETRATION_MAX: &str = "penetration_max";
 /// Smallest porosity of a node.
 pub const POROSITY_MIN: &str = "porosity_min";
 
+/// Nodes of the mesh, where it follows the grains.
+pub const NODES: &str = "nodes";
+/// Which mesh it is.
+pub const EPOCH: &str = "epoch";
+
 /// Grains that are left.
 pub const GRAINS: &str = "grains";
 /// Grains that have left so far.
@@ -84,6 +89,8 @@ pub fn is_count(name: &str) -> bool {
         CONVECTION,
         GRAINS,
         REMOVED_GRAINS,
+        NODES,
+        EPOCH,
     ];
     counts.contains(&name) || COUNTERS.contains(&name)
 }

@@ -99,6 +99,10 @@ impl MonitorReceiver {
                 names.extend((*grains > 0).then_some(Field::GrainRadius));
                 (Moment::at(Stage::Started), names)
             }
+            ToOrchestrator::Mesh { nodes, simplices } => {
+                (self.counts.nodes, self.counts.simplices) = (*nodes as usize, *simplices as usize);
+                (Moment::at(Stage::Started), MESH.to_vec())
+            }
             ToOrchestrator::Snapshot {
                 step,
                 time,

@@ -63,17 +63,7 @@ impl MonitorSender {
         self.wait_for_reader()?;
         let moment = Moment::at(Stage::Started);
         if let Some(mesh) = mesh {
-            let corners = mesh.corner_numbers();
-            let values: [&[f64]; 4] = [
-                &mesh.node_position,
-                &corners,
-                &mesh.simplex_position,
-                &mesh.nodal_mass,
-            ];
-            for (field, values) in MESH.into_iter().zip(values) {
-                self.counts
-                    .send(&mut *self.channel, field, moment, values)?;
-            }
+            self.send_mesh(mesh)?;
         }
         if !grain_radius.is_empty() {
             self.counts
@@ -87,6 +77,35 @@ impl MonitorSender {
             engines: engines.to_vec(),
         })?;
         (self.unanswered, self.heard) = (true, false);
+        Ok(())
+    }
+
+    fn send_mesh(&mut self, mesh: &MeshDescription) -> Result<(), Error> {
+        let corners = mesh.corner_numbers();
+        let values: [&[f64]; 4] = [
+            &mesh.node_position,
+            &corners,
+            &mesh.simplex_position,
+            &mesh.nodal_mass,
+        ];
+        let moment = Moment::at(Stage::Started);
+        for (field, values) in MESH.into_iter().zip(values) {
+            self.counts
+                .send(&mut *self.channel, field, moment, values)?;
+        }
+        Ok(())
+    }
+
+    /// The mesh of the states from here on; waits until the previous snapshot was taken over.
+    pub fn mesh(&mut self, mesh: &MeshDescription) -> Result<(), Error> {
+        self.wait_for_answer("the previous snapshot to be taken over")?;
+        (self.counts.nodes, self.counts.simplices) = (mesh.node_count(), mesh.simplex_count());
+        self.send_mesh(mesh)?;
+        self.send(&ToOrchestrator::Mesh {
+            nodes: self.counts.nodes as u64,
+            simplices: self.counts.simplices as u64,
+        })?;
+        self.unanswered = true;
         Ok(())
     }
 

@@ -80,6 +80,7 @@ pub fn fluid_scene(cells: usize) -> FluidScene {
         initial_velocity: vec![0.0, 0.0],
         threads: 1,
         mean_flow: Default::default(),
+        refinement: None,
     }
 }
 

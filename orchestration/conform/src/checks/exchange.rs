@@ -94,7 +94,8 @@ fn hello(case: &Case) -> Result<(), Trouble> {
         let foreign = match capability {
             Capability::AffineResponse
             | Capability::ConvectionAsNeeded
-            | Capability::SteersMeanFlow => case.role != Role::Fluid,
+            | Capability::SteersMeanFlow
+            | Capability::Adapts => case.role != Role::Fluid,
             Capability::ImplicitDrag
             | Capability::ContactState
             | Capability::MovingWalls
@@ -145,7 +146,7 @@ fn ready(case: &Case) -> Result<(), Trouble> {
 }
 
 /// What the coupler relies on, beyond what it checks itself (orientation, positive mass, corners).
-fn sound_mesh(mesh: &MeshDescription) -> Result<(), String> {
+pub(super) fn sound_mesh(mesh: &MeshDescription) -> Result<(), String> {
     const ROUND_OFF: f64 = 1e-9;
     let d = mesh.dimension;
     let mut measure = 0.0;
@@ -177,7 +178,7 @@ fn sound_mesh(mesh: &MeshDescription) -> Result<(), String> {
 }
 
 /// Facets, where the engine tells them, are sides of simplices.
-fn sound_facets(mesh: &MeshDescription) -> Result<(), String> {
+pub(super) fn sound_facets(mesh: &MeshDescription) -> Result<(), String> {
     const ROUND_OFF: f64 = 1e-9;
     let d = mesh.dimension;
     let simplices = || mesh.simplex_position.chunks_exact(d * (d + 1));

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use scene::Error;
 
-use super::{deaths, exchange, order, refusals, states};
+use super::{deaths, exchange, meshes, order, refusals, states};
 use crate::case::Case;
 use crate::check::{Check, Needs, Trouble};
 use crate::report::{Outcome, Report, Row};
@@ -14,6 +14,7 @@ fn suite() -> impl Iterator<Item = &'static Check> {
     exchange::CHECKS
         .iter()
         .chain(states::CHECKS)
+        .chain(meshes::CHECKS)
         .chain(order::CHECKS)
         .chain(refusals::CHECKS)
         .chain(deaths::CHECKS)

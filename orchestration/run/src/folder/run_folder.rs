@@ -279,6 +279,10 @@ impl RunFolder {
                 self.started = true;
                 self.previous.take().map_or(Ok(()), Previous::discard)
             }
+            ToOrchestrator::Mesh { .. } => {
+                self.mesh = Mesh::from_fields(self.dimension, &event.fields);
+                Ok(())
+            }
             ToOrchestrator::Step(values) => self.steps.add(values, disk),
             ToOrchestrator::Snapshot { time, .. } => self.snapshot(*time, &event.fields, disk),
             ToOrchestrator::Finished(totals) | ToOrchestrator::Stopped { totals, .. } => {

@@ -100,7 +100,8 @@ impl State {
         }
     }
 
-    fn refuse(&self, name: &str, why: &str) -> Error {
+    /// The error of an array that cannot be used.
+    pub fn refuse(&self, name: &str, why: &str) -> Error {
         let file = &self.name;
         Error::Usage(format!(
             "{file}: {name}: {why}; only files that sillage wrote can be read"

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 
 use protocol::scene::{
-    Boundary, Convection, Diagonals, MeanFlow, Nonlinear, TimeScheme, ViscousForm,
+    Boundary, Convection, Diagonals, MeanFlow, Nonlinear, Region, TimeScheme, ViscousForm,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::ranges::{
-    exactly_one_of, not_empty, not_negative, one_or_more, positive, scale_of_mesh,
+    exactly_one_of, not_empty, not_negative, one_or_more, positive, refined_somewhere,
+    scale_of_mesh,
 };
 
 /// The fluid.
@@ -52,6 +53,32 @@ pub struct Fluid {
     /// vessel), or { velocity = […] } (m/s), the latter two steered by a uniform pressure gradient. Required
     /// where all sides are periodic and there is gravity.
     pub mean_flow: Option<MeanFlow<[f64; 2]>>,
+    /// Cells of other sizes than those of the rectangle, which are divided where that is asked for.
+    pub refinement: Option<RefinementKeys>,
+}
+
+/// Cells that are small near grains or in regions: h = min(largest, size + growth · distance).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(transform = refined_somewhere)]
+pub struct RefinementKeys {
+    /// Cells near grains (m); the mesh follows them.
+    #[schemars(transform = positive)]
+    pub near_grains: Option<f64>,
+    /// How far grains may go before the mesh follows (m); left out: twice near_grains. The zone of small cells
+    /// reaches two to three margins beyond the grains.
+    #[schemars(transform = positive)]
+    pub margin: Option<f64>,
+    /// By how much cells grow away from there, in metres a metre.
+    #[serde(default = "growth")]
+    #[schemars(transform = positive)]
+    pub growth: f64,
+    /// Largest cells (m); left out: those of the rectangle.
+    #[schemars(transform = positive)]
+    pub largest: Option<f64>,
+    /// Places where cells are small: { ball = { centre, radius, size } } or { box = { lower, upper, size } } (m).
+    #[serde(default)]
+    pub regions: Vec<Region>,
 }
 
 /// Where the fluid is: a rectangle, or a mesh file.
@@ -92,6 +119,9 @@ pub struct Rectangle {
     pub grading: [f64; 2],
 }
 
+fn growth() -> f64 {
+    0.2
+}
 fn as_needed() -> Convection {
     Convection::AsNeeded
 }

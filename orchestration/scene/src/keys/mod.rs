@@ -14,7 +14,7 @@ mod scene_file;
 
 pub use conduct::{Checkpoint, EngineCommand, Engines, LimitKeys, Output, Record};
 pub use coupling::{Contact, Coupling};
-pub use fluid::{Domain, Fluid, Rectangle};
+pub use fluid::{Domain, Fluid, Rectangle, RefinementKeys};
 pub use grains::{Arrangement, Cloud, FilledBox, Grains, Lattice, Pattern, Radius, RadiusRange};
 pub use ranges::DENSEST;
 pub use room::{DefaultWalls, GrainDomain, Particles, Side, WallSegment};

@@ -65,6 +65,16 @@ pub fn exactly_one_of(keys: &'static [&'static str]) -> impl Transform {
     }
 }
 
+/// Somewhere cells are small, and a margin is one of grains.
+pub fn refined_somewhere(schema: &mut Schema) {
+    let somewhere = json!([{ "required": ["near_grains"] }, { "required": ["regions"] }]);
+    schema.insert("anyOf".into(), somewhere);
+    schema.insert(
+        "dependentRequired".into(),
+        json!({ "margin": ["near_grains"] }),
+    );
+}
+
 /// A scale belongs to a mesh.
 pub fn scale_of_mesh(schema: &mut Schema) {
     schema.insert("dependentRequired".into(), json!({ "scale": ["mesh"] }));

@@ -97,6 +97,7 @@ async function state(index) {
   const promise = (async () => {
     const packed = data.live ? await ask('api/state/' + index) : data.frames[index];
     const out = { time: packed.time, fields: {} };
+    if (packed.mesh) out.mesh = await unpackMesh(packed.mesh);
     for (const [name, field] of Object.entries(packed.fields)) out.fields[name] = await shares(field);
     if (packed.position) out.position = await unpack(packed.position, 4, Float32Array);
     if (packed.grain_speed) out.speed = await shares(packed.grain_speed);
@@ -107,6 +108,9 @@ async function state(index) {
   if (cache.size > 60) cache.delete(cache.keys().next().value);
   promise.catch(() => cache.delete(index));
   return promise;
+}
+async function unpackMesh(mesh) {
+  return { points: await unpack(mesh.points, 4, Float32Array), triangles: await unpack(mesh.triangles, 4, Uint32Array) };
 }
 async function ask(path) {
   const answer = await fetch(path);
@@ -123,8 +127,7 @@ async function setStage() {
   const stage = { window: from.window };
   stage.outline = await unpack(from.outline, 4, Float32Array);
   stage.radius = await unpack(from.radius, 4, Float32Array);
-  stage.points = from.points && await unpack(from.points, 4, Float32Array);
-  stage.triangles = from.triangles && await unpack(from.triangles, 4, Uint32Array);
+  stage.mesh = from.mesh && await unpackMesh(from.mesh);
   film.stage = stage;
 }
 function chooseFields() {
@@ -160,8 +163,8 @@ function fit() {
 const toX = x => (x - film.view.x) * film.view.scale + canvas.width / 2;
 const toY = y => canvas.height / 2 - (y - film.view.y) * film.view.scale;
 /// Triangles with linear colours, into the pixels of the canvas.
-function paint(values, range, colours) {
-  const { points, triangles } = film.stage, W = canvas.width, H = canvas.height;
+function paint({ points, triangles }, values, range, colours) {
+  const W = canvas.width, H = canvas.height;
   const image = pen.getImageData(0, 0, W, H), out = new Uint32Array(image.data.buffer);
   const lookup = new Uint32Array(256);
   for (let i = 0; i < 256; i++) lookup[i] = 0xff000000 | colours[3 * i + 2] << 16 | colours[3 * i + 1] << 8 | colours[3 * i];
@@ -212,7 +215,8 @@ function draw() {
   pen.setTransform(1, 0, 0, 1, 0, 0);
   pen.clearRect(0, 0, canvas.width, canvas.height);
   const values = film.field && shown.fields[film.field];
-  if (values && film.stage.points) paint(values, fieldRange(film.field), table(FIELDS[film.field].map()));
+  const mesh = shown.mesh || film.stage.mesh;
+  if (values && mesh) paint(mesh, values, fieldRange(film.field), table(FIELDS[film.field].map()));
   if (shown.position && $('grains').checked) paintGrains(shown);
   const o = film.stage.outline;
   pen.strokeStyle = getComputedStyle(document.body).color;
@@ -331,7 +335,8 @@ function listen() {
 }
 /// Value at the node nearest to a pixel.
 function probe(px, py) {
-  const values = film.field && film.shown && film.shown.fields[film.field], points = film.stage && film.stage.points;
+  const values = film.field && film.shown && film.shown.fields[film.field];
+  const mesh = film.stage && (film.shown && film.shown.mesh || film.stage.mesh), points = mesh && mesh.points;
   if (!values || !points) return;
   const x = film.view.x + (px - canvas.width / 2) / film.view.scale, y = film.view.y - (py - canvas.height / 2) / film.view.scale;
   let best = -1, least = Infinity;

@@ -19,12 +19,32 @@ pub struct Frame {
     pub fields: std::collections::BTreeMap<&'static str, Shares>,
     /// Bounds of each field without the outermost 0.2 % on either side.
     pub usual: std::collections::BTreeMap<&'static str, [f64; 2]>,
+    /// Its own mesh, where the mesh follows the grains.
+    pub mesh: Option<Drawn>,
     /// Centres of the grains \[m\], in single precision.
     pub position: Option<String>,
     /// Their speeds \[m/s\].
     pub grain_speed: Option<Shares>,
     /// Their places in the stage, where some have left.
     pub grain_id: Option<String>,
+}
+
+/// A mesh as the page takes it.
+#[derive(Debug, Clone, Serialize)]
+pub struct Drawn {
+    /// Places \[m\], in single precision.
+    points: String,
+    /// Corners of the triangles.
+    triangles: String,
+}
+
+impl Drawn {
+    fn of(mesh: &Triangles) -> Drawn {
+        Drawn {
+            points: singles(mesh.points.iter().flatten().copied()),
+            triangles: words(mesh.triangles.iter().flatten().copied()),
+        }
+    }
 }
 
 /// Reads the states of a run folder, also of one that is still being written.
@@ -36,6 +56,8 @@ pub struct Reader {
     density: f64,
     gravity: [f64; 2],
     open: bool,
+    /// Does the mesh follow the grains?
+    follows: bool,
 }
 
 /// Files of one state.
@@ -64,6 +86,7 @@ impl Reader {
             density: number(&fluid["density"]),
             gravity: [0, 1].map(|axis| number(&scene["gravity"][axis])),
             open,
+            follows: !scene["near_grains"].is_null(),
         }
     }
 
@@ -99,14 +122,20 @@ impl Reader {
         if self.stage.is_null() {
             self.set_stage(fluid.as_ref(), grains.as_ref(), walls)?;
         }
+        let mesh = match &fluid {
+            Some(state) if self.follows => Triangles::of_state(state)?,
+            _ => None,
+        };
         let mut frame = Frame {
             time: entry.time,
+            mesh: mesh.as_ref().map(Drawn::of),
             fields: Default::default(),
             usual: Default::default(),
             position: None,
             grain_speed: None,
             grain_id: None,
         };
+        self.mesh = mesh.or(self.mesh.take());
         if let (Some(state), Some(mesh)) = (&fluid, &self.mesh) {
             for (name, values) in self.fields(state, mesh)? {
                 if values.len() == mesh.points.len() {
@@ -173,22 +202,7 @@ impl Reader {
         walls: &Value,
     ) -> Result<(), Error> {
         if let Some(state) = fluid {
-            let points = state.vectors::<2>("position")?.unwrap_or_default();
-            let corners = state.indices("connectivity")?.unwrap_or_default();
-            let outside = |&corner: &i64| corner < 0 || corner as usize >= points.len();
-            if corners.iter().any(outside) {
-                let why = "a triangle names a point that is not there";
-                return Err(Error::Usage(format!("{}: {why}", self.folder.display())));
-            }
-            self.mesh = Some(Triangles {
-                node_of: (0..points.len() as u32).collect(),
-                node_count: points.len(),
-                triangles: corners
-                    .chunks_exact(3)
-                    .map(|c| [c[0] as u32, c[1] as u32, c[2] as u32])
-                    .collect(),
-                points,
-            });
+            self.mesh = Triangles::of_state(state)?;
         }
         let mut outline: Vec<[[f64; 2]; 2]> = Vec::new();
         for wall in walls.as_array().into_iter().flatten() {
@@ -216,8 +230,7 @@ impl Reader {
             "window": [window.0, window.1],
             "outline": singles(outline.into_iter().flatten().flatten()),
             "radius": singles(radius.into_iter()),
-            "points": self.mesh.as_ref().map(|mesh| singles(mesh.points.iter().flatten().copied())),
-            "triangles": self.mesh.as_ref().map(|mesh| words(mesh.triangles.iter().flatten().copied())),
+            "mesh": self.mesh.as_ref().map(Drawn::of),
         });
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! The pictures of a run while it goes on: a frame a state, a contact sheet at the end.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use protocol::field::Field;
 use protocol::message::ToOrchestrator;
@@ -45,6 +46,8 @@ pub fn pictures(scene: &Scene, folder: &Path) -> Box<dyn Draw> {
         album: Album::default(),
         speed_max: 0.0,
         frames: 0,
+        mesh: None,
+        moves: false,
         kept: None,
     })
 }
@@ -60,6 +63,10 @@ struct Drawing {
     /// Speed of the deepest colour \[m/s\].
     speed_max: f64,
     frames: usize,
+    /// The mesh since it followed the grains for the last time; none: that of the stage.
+    mesh: Option<Arc<Triangles>>,
+    /// Did it before this run was resumed?
+    moves: bool,
     /// Of a run that goes on, until it does.
     kept: Option<Kept>,
 }
@@ -71,8 +78,17 @@ impl Draw for Drawing {
         }
         match &event.message {
             ToOrchestrator::Started { .. } => return self.set_stage(&event.fields),
+            ToOrchestrator::Mesh { .. } => {
+                let mesh = Mesh::from_fields(2, &event.fields);
+                self.mesh = mesh.and_then(Triangles::of).map(Arc::new);
+            }
             ToOrchestrator::Snapshot { time, .. } => {
-                return self.frame(state(*time, &event.fields), disk);
+                let mesh = self.mesh.clone();
+                let state = State {
+                    mesh,
+                    ..state(*time, &event.fields)
+                };
+                return self.frame(state, disk);
             }
             _ => {}
         }
@@ -80,9 +96,12 @@ impl Draw for Drawing {
     }
 
     fn keep(&self) -> String {
+        let moved = self.mesh.is_some() || self.moves;
+        let stage = self.stage.as_ref().filter(|_| moved);
         let kept = Kept {
             speed_max: self.speed_max,
             frames: self.frames,
+            outlines: stage.map(|stage| stage.outlines.clone()),
             window: self.stage.as_ref().map(|stage| stage.window),
             shown: self.album.shown(),
         };
@@ -119,6 +138,8 @@ struct Kept {
     speed_max: f64,
     frames: usize,
     window: Option<([f64; 2], [f64; 2])>,
+    /// Those of the first mesh, where it has followed the grains since.
+    outlines: Option<Vec<[Point; 2]>>,
     shown: Shown,
 }
 
@@ -149,8 +170,17 @@ impl Drawing {
             values(fields, Field::GrainRadius).to_vec(),
             self.grain_fixed.clone(),
         );
-        if let Some(Kept { window, shown, .. }) = self.kept.take() {
+        if let Some(kept) = self.kept.take() {
+            let Kept {
+                window,
+                shown,
+                outlines,
+                ..
+            } = kept;
             stage.window = window.unwrap_or(stage.window);
+            self.moves = outlines.is_some();
+            stage.outlines = outlines.unwrap_or(stage.outlines);
+            let nodes = (!self.moves).then_some(nodes);
             let lists = ["fluid.pvd", "grains.pvd"].map(|list| vtu::list(&self.folder.join(list)));
             let [fluid, grains] = lists;
             let lists = [fluid?, grains?];
@@ -178,11 +208,12 @@ impl Drawing {
     }
 }
 
-/// A state as it was put out, on so many nodes: the first points of its file. What that lacks is not drawn.
+/// A state as it was put out, on so many nodes: the first points of its file; none: on a mesh of its own. What that
+/// lacks is not drawn.
 fn kept_state(
     folder: &Path,
     [fluid, grains]: &[Entries; 2],
-    nodes: usize,
+    nodes: Option<usize>,
     number: usize,
 ) -> Result<State, Error> {
     let read = |list: &Entries| -> Result<Option<(f64, vtu::State)>, Error> {
@@ -195,9 +226,18 @@ fn kept_state(
     let mut state = State::default();
     if let Some((time, fluid)) = read(fluid)? {
         state.time = time;
+        let mesh = match nodes {
+            Some(_) => None,
+            None => Triangles::of_state(&fluid)?,
+        };
+        let own = mesh.as_ref().map(|mesh| mesh.node_count);
+        state.mesh = mesh.map(Arc::new);
         let velocity = fluid.vectors::<2>(Field::InterstitialVelocity.name())?;
         let velocity = velocity.unwrap_or_default().into_iter();
-        state.fluid_velocity = velocity.take(nodes).map(single).collect();
+        state.fluid_velocity = velocity
+            .take(nodes.or(own).unwrap_or(0))
+            .map(single)
+            .collect();
     }
     if let Some((time, grains)) = read(grains)? {
         state.time = time;
@@ -233,6 +273,7 @@ fn state(time: f64, fields: &[(Field, Vec<f64>)]) -> State {
         .collect();
     State {
         time,
+        mesh: None,
         fluid_velocity: pairs(Field::InterstitialVelocity),
         grain_position: pairs(Field::GrainPosition),
         grain_speed: speeds,

@@ -1,5 +1,7 @@
 //! What is drawn: the stage, which does not change during a run, and the states on it.
 
+use std::sync::Arc;
+
 use crate::plane::{Triangles, bounds, grain_bounds};
 
 /// What stays the same in all pictures of a run.
@@ -76,6 +78,8 @@ impl Stage {
 pub struct State {
     /// Time \[s\].
     pub time: f64,
+    /// Its mesh; none: that of the stage.
+    pub mesh: Option<Arc<Triangles>>,
     /// Interstitial velocity at each node \[m/s\].
     pub fluid_velocity: Vec<[f32; 2]>,
     /// Centres of the grains \[m\].

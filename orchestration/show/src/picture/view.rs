@@ -82,7 +82,9 @@ impl View {
 
     /// Every pixel inside a triangle gets the speed of the velocity interpolated to its centre.
     fn draw_speed(&self, canvas: &mut Canvas, stage: &Stage, state: &State, speed_max: f64) {
-        let Some(mesh) = &stage.mesh else { return };
+        let Some(mesh) = state.mesh.as_deref().or(stage.mesh.as_ref()) else {
+            return;
+        };
         if state.fluid_velocity.len() != mesh.node_count {
             return;
         }

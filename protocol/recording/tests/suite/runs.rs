@@ -32,6 +32,7 @@ pub fn begin(cells: usize) -> Begin {
         grains_stay: false,
         grain_boundaries: None,
         grain_exits: Vec::new(),
+        near_grains: None,
         grains_file: None,
         scheme: Scheme::Staggered,
         drag: DragLaw::Dallavalle,

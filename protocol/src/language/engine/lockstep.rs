@@ -97,6 +97,16 @@ fn handle<S: Seat>(seat: &mut S, session: &mut Session, message: ToEngine) -> Re
             let ready = seat.remove(&grains, session).map_err(fatal)?;
             session.send(&ToCoupler::Ready(ready))?;
         }
+        ToEngine::Adapt { epoch, sizes } => {
+            if !session.configured || session.candidate.is_some() || epoch <= session.counts.epoch {
+                return Err(out_of_order(format!(
+                    "Adapt to epoch {epoch} in epoch {}, before Configure or while a candidate waits for its commit",
+                    session.counts.epoch
+                )));
+            }
+            let ready = seat.adapt(epoch, &sizes, session).map_err(fatal)?;
+            session.send(&ready.map_or(ToCoupler::Kept, ToCoupler::Ready))?;
+        }
         ToEngine::Finish => {}
     }
     Ok(())

@@ -8,7 +8,7 @@ use crate::language::message::{
     Advance, Capability, Configure, Diagnostic, Failure, FailureKind, Ready, Role,
 };
 use crate::language::report::Report;
-use crate::language::scene::{FluidScene, ParticleScene};
+use crate::language::scene::{FluidScene, ParticleScene, Refinement};
 use crate::transport::exchange::{Counts, Moment, receive_grains};
 
 use super::fields::{Inputs, Outputs};
@@ -48,25 +48,30 @@ impl<E: FluidEngine> FluidSeat<'_, E> {
         scene.check().map_err(unusable)?;
         let mesh = guarded(|| self.0.configure(scene))?;
         same_dimension(scene.dimension, mesh.dimension)?;
-        session.counts = Counts {
-            epoch: FIRST_EPOCH,
-            dimension: mesh.dimension,
-            nodes: mesh.node_count(),
-            simplices: mesh.simplex_count(),
-            facets: mesh.facets.count(),
-            grains: 0,
-        };
-        send_mesh(&mesh, session)?;
-        Ok(Ready::Mesh {
-            epoch: FIRST_EPOCH,
-            dimension: mesh.dimension as u32,
-            nodes: session.counts.nodes as u64,
-            simplices: session.counts.simplices as u64,
-            period: mesh.period,
-            facets: session.counts.facets as u64,
-            boundaries: mesh.facets.boundaries,
-        })
+        ready(mesh, FIRST_EPOCH, session)
     }
+}
+
+/// Tell the mesh of this epoch.
+fn ready(mesh: MeshDescription, epoch: u64, session: &mut Session) -> Result<Ready, Trouble> {
+    session.counts = Counts {
+        epoch,
+        dimension: mesh.dimension,
+        nodes: mesh.node_count(),
+        simplices: mesh.simplex_count(),
+        facets: mesh.facets.count(),
+        grains: 0,
+    };
+    send_mesh(&mesh, session)?;
+    Ok(Ready::Mesh {
+        epoch,
+        dimension: mesh.dimension as u32,
+        nodes: session.counts.nodes as u64,
+        simplices: session.counts.simplices as u64,
+        period: mesh.period,
+        facets: session.counts.facets as u64,
+        boundaries: mesh.facets.boundaries,
+    })
 }
 
 fn send_mesh(mesh: &MeshDescription, session: &mut Session) -> Result<(), Trouble> {
@@ -128,6 +133,24 @@ impl<E: FluidEngine> Seat for FluidSeat<'_, E> {
 
     fn commit(&mut self) -> Result<(), Failure> {
         self.0.commit()
+    }
+
+    fn adapt(
+        &mut self,
+        epoch: u64,
+        sizes: &Refinement,
+        session: &mut Session,
+    ) -> Result<Option<Ready>, Trouble> {
+        let dimension = session.counts.dimension;
+        let checked = sizes.check(dimension);
+        checked.map_err(|why| out_of_order(format!("Adapt whose {why}")))?;
+        let Some(mesh) = guarded(|| self.0.adapt(sizes))? else {
+            return Ok(None);
+        };
+        same_dimension(dimension, mesh.dimension)?;
+        // what was kept back is of the mesh before
+        session.withheld.moment = None;
+        ready(mesh, epoch, session).map(Some)
     }
 
     fn remove(&mut self, _: &[usize], _: &mut Session) -> Result<Ready, Trouble> {
@@ -218,6 +241,10 @@ impl<E: ParticleEngine> Seat for ParticleSeat<'_, E> {
 
     fn commit(&mut self) -> Result<(), Failure> {
         self.0.commit()
+    }
+
+    fn adapt(&mut self, _: u64, _: &Refinement, _: &mut Session) -> Result<Option<Ready>, Trouble> {
+        Err(out_of_order("Adapt, and grains have no mesh".to_owned()))
     }
 
     fn remove(&mut self, grains: &[usize], session: &mut Session) -> Result<Ready, Trouble> {

@@ -14,6 +14,7 @@ use crate::language::message::{
     ToCoupler, ToEngine,
 };
 use crate::language::report::Report;
+use crate::language::scene::Refinement;
 use crate::run::limits;
 use crate::run::process::cpu_seconds;
 use crate::transport::channel::{Channel, Wait};
@@ -42,6 +43,13 @@ pub(crate) trait Seat {
         outputs: Outputs<'_>,
     ) -> Result<(Report, Vec<Diagnostic>), Failure>;
     fn commit(&mut self) -> Result<(), Failure>;
+    /// Change the mesh to one of this epoch, unless it stays; sends the fields of `Ready`.
+    fn adapt(
+        &mut self,
+        epoch: u64,
+        sizes: &Refinement,
+        session: &mut Session,
+    ) -> Result<Option<Ready>, Trouble>;
     /// Take grains out; sends the fields of `Ready`.
     fn remove(&mut self, grains: &[usize], session: &mut Session) -> Result<Ready, Trouble>;
     fn save(&mut self, path: &Path) -> Result<(), Failure>;

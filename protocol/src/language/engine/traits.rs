@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::language::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
 use crate::language::report::{FluidReport, ParticleReport};
-use crate::language::scene::{FluidScene, ParticleScene};
+use crate::language::scene::{FluidScene, ParticleScene, Refinement};
 
 use super::fields::{Inputs, Outputs};
 use super::told::{InitialGrains, MeshDescription};
@@ -50,6 +50,12 @@ pub trait FluidEngine {
     fn save(&mut self, path: &Path) -> Result<(), Failure>;
     /// Read the accepted state.
     fn restore(&mut self, path: &Path) -> Result<(), Failure>;
+    /// Change to a mesh with cells of these sizes, before a step, and carry the accepted state over to it; none
+    /// where the mesh stays as it is. Asked of engines with `Capability::Adapts` only, whose mesh depends on the
+    /// sizes asked last and on the scene, not on the meshes before.
+    fn adapt(&mut self, _: &Refinement) -> Result<Option<MeshDescription>, Failure> {
+        Ok(None)
+    }
 }
 
 /// A solver that takes the particle seat.

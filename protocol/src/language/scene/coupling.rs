@@ -12,6 +12,7 @@ use super::boundary::GrainBoundary;
 use super::door::{dimension, fits};
 use super::fluid::FluidScene;
 use super::particles::ParticleScene;
+use super::refinement::NearGrains;
 
 /// A grain is a point of the mesh up to this ratio of its diameter to the cells around it; a larger one is
 /// spread.
@@ -49,6 +50,9 @@ pub struct CouplerScene {
     /// Boundaries of the fluid by which grains leave and are taken out, by name.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub grain_exits: Vec<String>,
+    /// Cells near grains, beside those of the fluid's refinement.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub near_grains: Option<NearGrains>,
     /// CSV with the initial grains: x,y,radius,density,vx,vy,fixed; relative to the run folder.
     pub grains_file: Option<String>,
     /// Coupling scheme.

@@ -9,6 +9,7 @@ use super::boundary::Boundary;
 use super::convection::Convection;
 use super::door::{dimension, fits};
 use super::mean_flow::MeanFlow;
+use super::refinement::Refinement;
 
 /// What the fluid engine needs to know.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -44,6 +45,9 @@ pub struct FluidScene {
     /// `Capability::SteersMeanFlow`.
     #[serde(default)]
     pub mean_flow: MeanFlow,
+    /// How large cells are, for an engine with `Capability::Adapts`; none: as the mesh has them.
+    #[serde(default)]
+    pub refinement: Option<Refinement>,
 }
 
 impl FluidScene {
@@ -67,6 +71,10 @@ impl FluidScene {
             fits(d, "mesh.rectangle.upper", upper)?;
             fits(d, "mesh.rectangle.cells", cells)?;
             fits(d, "mesh.rectangle.grading", grading)?;
+        }
+        if let Some(refinement) = &self.refinement {
+            let checked = refinement.check(d);
+            checked.map_err(|why| format!("refinement: {why}"))?;
         }
         self.boundaries.iter().try_for_each(|(name, boundary)| {
             let what = format!("velocity of the boundary {name}");

@@ -1,5 +1,5 @@
 //! The parts of a scene that processes receive: plain data, SI units, already validated for range.
-//! Read `fluid` with `boundary`, `convection` and `mean_flow`, `particles`, then `coupling`, the resolved
+//! Read `fluid` with `boundary`, `convection`, `mean_flow` and `refinement`, `particles`, then `coupling`, the resolved
 //! scene as a whole.
 
 mod boundary;
@@ -9,6 +9,7 @@ mod door;
 mod fluid;
 mod mean_flow;
 mod particles;
+mod refinement;
 
 pub use boundary::{Boundary, GrainBoundary, Profile};
 pub use convection::{CREEPING_REYNOLDS, Convection};
@@ -19,3 +20,4 @@ pub use door::fixed;
 pub use fluid::{Diagonals, FluidScene, MeshSource, Nonlinear, TimeScheme, ViscousForm};
 pub use mean_flow::MeanFlow;
 pub use particles::{ParticleScene, Wall};
+pub use refinement::{NearGrains, REGIONS_MAX, Refinement, Region};

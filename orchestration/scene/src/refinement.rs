@@ -1,0 +1,199 @@
+//! How large cells are: what a scene asks for, and about how many nodes that makes.
+
+use protocol::scene::{NearGrains, Refinement, Region};
+
+use crate::check::Checker;
+use crate::grains::GrainTable;
+use crate::keys::{Fluid, Rectangle, RefinementKeys, SceneFile};
+use crate::memory;
+
+const KEY: &str = "fluid.refinement";
+/// Margin of cells near grains that is left out, in cells.
+const MARGIN: f64 = 2.0;
+/// Halvings of a cell at most: whole coordinates of the fluid engine.
+const HALVINGS_MAX: f64 = 20.0;
+
+impl RefinementKeys {
+    /// As the fluid engine takes it.
+    pub fn sizes(&self) -> Refinement {
+        Refinement {
+            growth: self.growth,
+            largest: self.largest,
+            regions: self.regions.clone(),
+        }
+    }
+
+    /// As the coupler takes it.
+    pub fn near(&self) -> Option<NearGrains> {
+        let size = self.near_grains?;
+        let margin = self.margin.unwrap_or(MARGIN * size);
+        Some(NearGrains { size, margin })
+    }
+
+    /// Smallest cells that are asked for \[m\].
+    fn smallest(&self) -> f64 {
+        let regions = self.regions.iter().map(Region::size);
+        regions
+            .chain(self.near_grains)
+            .fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// H: edge of a square as large as a cell of the rectangle \[m\].
+fn root(rectangle: &Rectangle) -> f64 {
+    let edge = |d: usize| (rectangle.upper[d] - rectangle.lower[d]) / rectangle.cells[d] as f64;
+    (edge(0) * edge(1)).sqrt()
+}
+
+/// Cells that are made where this size is asked for: H 2^(−k/2) \[m\].
+fn made(root: f64, asked: f64) -> f64 {
+    let halvings = (2.0 * (root / asked).log2() - 1e-9).ceil().max(0.0);
+    root * (-halvings / 2.0).exp2()
+}
+
+/// Refuse what no mesh can be made of.
+pub fn check(keys: &SceneFile, fluid: &Fluid, checker: &mut Checker<'_>) {
+    let Some(asked) = &fluid.refinement else {
+        return;
+    };
+    if let Err(why) = asked.sizes().check(2) {
+        checker.refuse(KEY, why);
+        return;
+    }
+    for (key, value) in [("near_grains", asked.near_grains), ("margin", asked.margin)] {
+        if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
+            let key = format!("{KEY}.{key}");
+            checker.refuse(&key, "must be a finite number greater than 0 m");
+            return;
+        }
+    }
+    if asked.near_grains.is_none() && asked.regions.is_empty() {
+        checker.refuse(
+            KEY,
+            "says nowhere how large cells are: write near_grains (m) or regions",
+        );
+    }
+    if asked.near_grains.is_some() && keys.grains.is_empty() {
+        let key = format!("{KEY}.near_grains");
+        checker.refuse(
+            &key,
+            "the scene has no grains: leave it out, or write [[grains]]",
+        );
+    }
+    if asked.margin.is_some() && asked.near_grains.is_none() {
+        let key = format!("{KEY}.margin");
+        checker.refuse(&key, "is the margin of near_grains: leave it out");
+    }
+    let Some(rectangle) = &fluid.domain.rectangle else {
+        checker.refuse(
+            KEY,
+            "a mesh that is read from a file is taken as it is: leave this table out, or write domain.rectangle",
+        );
+        return;
+    };
+    if rectangle.grading != [1.0, 1.0] {
+        checker.refuse(
+            "fluid.domain.rectangle.grading",
+            "a rectangle is refined from cells of one size: leave it out, or fluid.refinement",
+        );
+    }
+    if checker.problems.is_empty() {
+        check_sizes(asked, rectangle, checker);
+    }
+}
+
+fn check_sizes(asked: &RefinementKeys, rectangle: &Rectangle, checker: &mut Checker<'_>) {
+    let (root, smallest) = (root(rectangle), asked.smallest());
+    let sizes = asked.regions.iter().enumerate();
+    let sizes = sizes.map(|(k, region)| (format!("{KEY}.regions[{k}]"), region.size()));
+    let near = asked
+        .near_grains
+        .map(|size| (format!("{KEY}.near_grains"), size));
+    for (key, size) in sizes.chain(near) {
+        if size > root {
+            checker.refuse(
+                &key,
+                format!(
+                    "{size:e} m is larger than the cells of the rectangle, {root:.4e} m, which are only divided: \
+                     write a smaller size, or fewer cells"
+                ),
+            );
+        }
+        let made = made(root, size);
+        if made < 0.9 * size && size <= root {
+            checker.warn(format!(
+                "{key} = {size:e} m makes cells of {made:.4e} m: sizes come in steps of 1/√2 from the cells of \
+                 the rectangle, {root:.4e} m"
+            ));
+        }
+    }
+    if smallest < root * (-HALVINGS_MAX).exp2() {
+        let least = root * (-HALVINGS_MAX).exp2();
+        let why = format!(
+            "cells of {smallest:e} m are smaller than the smallest possible, {least:.1e} m"
+        );
+        checker.refuse(KEY, why);
+    }
+}
+
+/// About how many nodes the first mesh has; none where nothing is refined.
+///
+/// ```text
+///   ∫ dA/h², h made of sizes a factor 2^¼ below the asked ones on average; zones: squares of edge `margin` that
+///   grains are in, with two rings around
+/// ```
+pub fn nodes(fluid: &Fluid, grains: &GrainTable) -> Option<f64> {
+    let asked = fluid.refinement.as_ref()?;
+    let rectangle = fluid.domain.rectangle.as_ref()?;
+    let extent = [0, 1].map(|d| rectangle.upper[d] - rectangle.lower[d]);
+    let root = root(rectangle);
+    let largest = asked.largest.unwrap_or(root).min(root);
+    let domain = extent[0] * extent[1];
+    let mut nodes = domain / (largest * largest);
+    let mut add = |size: f64, area: f64, perimeter: f64| {
+        let (size, growth) = (made(root, size), asked.growth);
+        let far = (largest / size).ln().max(0.0);
+        let around = perimeter / (growth * size) * (1.0 - size / largest);
+        let beyond = 2.0 * std::f64::consts::PI / (growth * growth) * (far - 1.0 + size / largest);
+        nodes += area / (size * size) + 1.4 * (around + beyond).max(0.0);
+    };
+    for region in &asked.regions {
+        match region {
+            Region::Ball { radius, size, .. } => {
+                let circle = 2.0 * std::f64::consts::PI * radius;
+                add(*size, 0.5 * circle * radius, circle);
+            }
+            Region::Box { lower, upper, size } => {
+                let edge = |d: usize| (upper[d] - lower[d]).min(extent[d]);
+                add(*size, edge(0) * edge(1), 2.0 * (edge(0) + edge(1)));
+            }
+        }
+    }
+    if let Some(near) = asked.near() {
+        let cell = |x: f64| (x / near.margin).floor() as i64;
+        let mut cells: Vec<[i64; 2]> = grains.position.iter().map(|x| x.map(cell)).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        let rings = |cell: &[i64; 2]| {
+            let [x, y] = *cell;
+            (-2..=2).flat_map(move |i| (-2..=2).map(move |j| [x + i, y + j]))
+        };
+        let mut zone: Vec<[i64; 2]> = cells.iter().flat_map(rings).collect();
+        zone.sort_unstable();
+        zone.dedup();
+        let area = (zone.len() as f64 * near.margin * near.margin).min(domain);
+        add(near.size, area, 4.0 * area.sqrt());
+    }
+    Some(nodes)
+}
+
+/// Refuse a mesh that no memory holds.
+pub fn check_memory(fluid: &Fluid, grains: &GrainTable, checker: &mut Checker<'_>) {
+    let why = nodes(fluid, grains).and_then(|nodes| memory::refusal("nodes", nodes, memory::NODE));
+    if let Some(why) = why {
+        checker.refuse(
+            KEY,
+            format!("{why}; ask for larger cells, or for small ones in fewer places"),
+        );
+    }
+}
