@@ -115,8 +115,7 @@ where
 {
     let mut follow = Follow::new(part, scene.near_grains, &fluid.mesh.period);
     if let Some(sizes) = follow.as_mut().and_then(|follow| follow.wish(&grains)) {
-        let at_rest = |mesh: &Mesh<D, N>, _: &[f64]| Ok(vec![0.0; mesh.nodal_mass.len()]);
-        fluid.adapt(fluid.epoch() + 1, &sizes, at_rest)?;
+        fluid.adapt((1, fluid.epoch() + 1), &sizes)?;
     }
     let exits = exits(scene, &fluid, &particles)?;
     let immersion = immersion(scene, part, &fluid.mesh, &grains.radius, exits)?;

@@ -73,6 +73,7 @@ where
     pub fn follow_again(&mut self, asked: &Asked) -> Result<(), CouplerError> {
         let sizes = self.follow.as_mut().and_then(|f| f.again(asked));
         match sizes.filter(|_| asked.epoch > self.epoch()) {
+            // all fields are replaced by those that were kept
             Some(sizes) => self.adapt(asked.epoch, &sizes),
             None => Ok(()),
         }

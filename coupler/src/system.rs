@@ -112,11 +112,7 @@ where
             System::OneWay(system) => (&mut system.fluid, &mut system.immersion),
             System::FluidAlone(_) | System::Dry(_) => return Ok(()),
         };
-        let transfer = &immersion.transfer;
-        let changed = fluid.adapt(epoch, sizes, |mesh, pressure| {
-            let nodes = transfer.place_points(&mesh.node_position)?;
-            Ok(transfer.sample(&nodes, pressure))
-        })?;
+        let changed = fluid.adapt((state.step + 1, epoch), sizes)?;
         match changed {
             true => immersion.change_mesh(&fluid.mesh, state),
             false => Ok(()),

@@ -28,27 +28,43 @@ except ImportError as missing:
 
 from ordering import nested_dissection
 from rectangle import rectangle
+from sizes import counter_clockwise, refined
 
 QUADRATURE = 5
 
 
 class SkfemFluid(sillage.FluidEngine):
     name, version = "skfem-fluid", f"scikit-fem {skfem.__version__}"
-    capabilities = ("affine-response", "checkpoint")
+    capabilities = ("affine-response", "checkpoint", "adapts")
 
     def configure(self, scene):
         refuse_what_is_missing(scene)
         self.scene = scene
         self.gravity = np.array(scene["gravity"])
-        self.nodes, self.triangles = rectangle(scene["mesh"]["rectangle"])
+        mesh = self.solve_on(scene.get("refinement"))
+        self.accepted = np.repeat(np.array(scene["initial_velocity"])[:, None], self.velocity.N, axis=1)
+        return mesh
+
+    def adapt(self, sizes):
+        before, accepted = self.velocity, self.accepted
+        mesh = self.solve_on(sizes)
+        at = before.probes(self.velocity.doflocs)
+        self.accepted = np.array([at @ component for component in accepted])
+        return mesh
+
+    def solve_on(self, sizes):
+        """Take a mesh with triangles of these sizes, or the rectangle as it is."""
+        self.nodes, self.triangles = rectangle(self.scene["mesh"]["rectangle"])
         mesh = skfem.MeshTri(self.nodes.T, self.triangles.T)
+        if sizes is not None:
+            mesh = refined(mesh, sizes)
+            self.nodes, self.triangles = counter_clockwise(mesh)
         self.velocity = skfem.Basis(mesh, skfem.ElementTriP2(), intorder=QUADRATURE)
         self.pressure = self.velocity.with_element(skfem.ElementTriP1())
         self.constant_matrices()
         self.boundary_conditions(mesh)
         # Before the first porosity is known: as if there were no grains.
         self.order_unknowns()
-        self.accepted = np.repeat(np.array(scene["initial_velocity"])[:, None], self.velocity.N, axis=1)
         self.candidate = None
         print(f"{self.velocity.N} velocity and {self.pressure.N} pressure nodes", flush=True)
         return sillage.Mesh(self.nodes, self.triangles, nodal_mass=self.mass)

@@ -37,3 +37,28 @@ def test_a_resumed_run_has_the_bits_of_one_that_was_not_stopped(name, tmp_path):
     sillage("resume", halves, "--from", "3")
     assert len(physics(whole)) == 7
     assert physics(halves) == physics(whole)
+
+
+def test_a_mesh_of_python_follows_the_grains_and_goes_on_to_the_bit(tmp_path):
+    if not SILLAGE.exists():
+        pytest.skip("the programs are not built: cargo build --release --workspace")
+    load("skfem-fluid")
+    whole, halves = tmp_path / "whole", tmp_path / "halves"
+    settings = [
+        "run.end_time=0.11",
+        "fluid.domain.rectangle.cells=[8, 12]",
+        "fluid.refinement.near_grains=1.2e-3",
+        "fluid.refinement.margin=4e-4",
+        "output.frames=false",
+        "checkpoint.every_steps=10",
+    ]
+    words = [word for key in settings for word in ("--set", key)]
+    sillage("run", ENGINES / "skfem-fluid" / "scene.toml", "--out", whole, *words)
+    shutil.copytree(whole, halves)
+    sillage("resume", halves, "--from", "10")
+    rows = physics(whole)
+    epoch, nodes, defect = (rows[0].index(name) for name in ("epoch", "nodes", "volume_defect"))
+    print(f"\nepochs {rows[1][epoch]} to {rows[-1][epoch]}, nodes {rows[1][nodes]} to {rows[-1][nodes]}")
+    assert int(rows[-1][epoch]) > int(rows[1][epoch])
+    assert max(abs(float(row[defect])) for row in rows[1:]) < 1e-6
+    assert physics(halves) == rows

@@ -48,22 +48,19 @@ where
         Ok((Refined { root, bisection }, mesh))
     }
 
-    /// Change to a mesh with cells of these sizes, with the accepted state carried over (H2); false where that is
-    /// the mesh there is. An error leaves all as it is.
+    /// Change to a mesh with cells of these sizes, with the accepted state carried over (H2). An error leaves all as
+    /// it is.
     pub fn adapt(
         &mut self,
         solver: &mut FluidSolver<D, N>,
         sizes: &Refinement<D>,
-    ) -> Result<bool, FluidError> {
+    ) -> Result<(), FluidError> {
         let (bisection, mesh) = bisect(&self.root, sizes)?;
-        if mesh.position == solver.mesh().position && mesh.simplices == solver.mesh().simplices {
-            return Ok(false);
-        }
         let spots = mesh.position.iter().map(|x| self.bisection.locate(x));
         let spots: Vec<([u32; N], [f64; N])> = spots.collect();
         solver.change_mesh(mesh, &spots)?;
         self.bisection = bisection;
-        Ok(true)
+        Ok(())
     }
 }
 

@@ -88,8 +88,8 @@ impl FluidEngine for Engine {
         let (Some(solver), Some(refined)) = (&mut self.solver, &mut self.refined) else {
             return Ok(None);
         };
-        let changed = refined.adapt(solver, &sizes).map_err(failure)?;
-        Ok(changed.then(|| describe(solver)))
+        refined.adapt(solver, &sizes).map_err(failure)?;
+        Ok(Some(describe(solver)))
     }
 
     fn advance(

@@ -89,24 +89,22 @@ where
         self.partner.epoch()
     }
 
-    /// Ask for cells of these sizes; true where the mesh is another one, of this epoch, from now on. `carry` brings
-    /// a nodal field from the mesh before to this one.
+    /// Ask for cells of these sizes before this step; true where the mesh is another one, of this epoch, from now on.
+    /// The pressure is known again with the next step.
     pub fn adapt(
         &mut self,
-        epoch: u64,
+        (step, epoch): (u64, u64),
         sizes: &Refinement,
-        carry: impl FnOnce(&Mesh<D, N>, &[f64]) -> Result<Vec<f64>, CouplerError>,
     ) -> Result<bool, CouplerError> {
         let begin = Instant::now();
-        // it is kept back on the mesh before
-        let _ = self.pressure()?;
-        let told = self.partner.adapt(epoch, sizes)?;
+        let told = self.partner.adapt((step, epoch), sizes)?;
         let changed = told.is_some();
         if let Some(description) = told {
-            let mesh = door::mesh(&description)?;
-            self.pressure = carry(&mesh, &self.pressure)?;
-            self.smallest_cell = mesh.smallest_cell();
-            (self.mesh, self.description) = (mesh, description);
+            self.mesh = door::mesh(&description)?;
+            self.smallest_cell = self.mesh.smallest_cell();
+            self.pressure = vec![0.0; description.nodal_mass.len()];
+            self.pressure_is_new = step == 1;
+            self.description = description;
         }
         self.wall += begin.elapsed().as_secs_f64();
         Ok(changed)

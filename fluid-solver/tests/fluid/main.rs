@@ -5,6 +5,7 @@ mod benchmarks;
 mod bisection;
 mod costs;
 mod creeping;
+mod epochs;
 mod held;
 mod inflow;
 mod manufactured;

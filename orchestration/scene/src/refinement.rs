@@ -1,6 +1,6 @@
 //! How large cells are: what a scene asks for, and about how many nodes that makes.
 
-use protocol::scene::{NearGrains, Refinement, Region};
+use protocol::scene::{CouplerScene, MeshSource, NearGrains, Refinement, Region};
 
 use crate::check::Checker;
 use crate::grains::GrainTable;
@@ -136,26 +136,36 @@ fn check_sizes(asked: &RefinementKeys, rectangle: &Rectangle, checker: &mut Chec
     }
 }
 
-/// About how many nodes the first mesh has; none where nothing is refined.
+/// About how many nodes the first mesh of a scene has; none where nothing is refined.
 ///
 /// ```text
-///   ∫ dA/h², h made of sizes a factor 2^¼ below the asked ones on average; zones: squares of edge `margin` that
-///   grains are in, with two rings around
+///   ∫ dA/h² over the zones, the cells that grow around them, and the rest; zones of grains: squares of edge
+///   `margin` that grains are in, with two rings around
 /// ```
-pub fn nodes(fluid: &Fluid, grains: &GrainTable) -> Option<f64> {
+pub fn nodes(scene: &CouplerScene, grains: &GrainTable) -> Option<f64> {
+    let fluid = scene.fluid.as_ref()?;
     let asked = fluid.refinement.as_ref()?;
-    let rectangle = fluid.domain.rectangle.as_ref()?;
-    let extent = [0, 1].map(|d| rectangle.upper[d] - rectangle.lower[d]);
-    let root = root(rectangle);
-    let largest = asked.largest.unwrap_or(root).min(root);
+    let MeshSource::Rectangle {
+        lower,
+        upper,
+        cells,
+        ..
+    } = &fluid.mesh
+    else {
+        return None;
+    };
+    let extent = [0, 1].map(|d| upper[d] - lower[d]);
     let domain = extent[0] * extent[1];
+    let root = (domain / (cells[0] * cells[1]) as f64).sqrt();
+    let largest = made(root, asked.largest.unwrap_or(root));
     let mut nodes = domain / (largest * largest);
     let mut add = |size: f64, area: f64, perimeter: f64| {
         let (size, growth) = (made(root, size), asked.growth);
         let far = (largest / size).ln().max(0.0);
         let around = perimeter / (growth * size) * (1.0 - size / largest);
         let beyond = 2.0 * std::f64::consts::PI / (growth * growth) * (far - 1.0 + size / largest);
-        nodes += area / (size * size) + 1.4 * (around + beyond).max(0.0);
+        // sizes come in steps of 1/√2: on average cells are 2^¼ smaller than asked for
+        nodes += area / (size * size) + std::f64::consts::SQRT_2 * (around + beyond).max(0.0);
     };
     for region in &asked.regions {
         match region {
@@ -169,27 +179,32 @@ pub fn nodes(fluid: &Fluid, grains: &GrainTable) -> Option<f64> {
             }
         }
     }
-    if let Some(near) = asked.near() {
-        let cell = |x: f64| (x / near.margin).floor() as i64;
-        let mut cells: Vec<[i64; 2]> = grains.position.iter().map(|x| x.map(cell)).collect();
-        cells.sort_unstable();
-        cells.dedup();
-        let rings = |cell: &[i64; 2]| {
-            let [x, y] = *cell;
-            (-2..=2).flat_map(move |i| (-2..=2).map(move |j| [x + i, y + j]))
-        };
-        let mut zone: Vec<[i64; 2]> = cells.iter().flat_map(rings).collect();
-        zone.sort_unstable();
-        zone.dedup();
-        let area = (zone.len() as f64 * near.margin * near.margin).min(domain);
+    if let Some(near) = scene.near_grains {
+        let area = (zone(&near, grains) as f64 * near.margin * near.margin).min(domain);
         add(near.size, area, 4.0 * area.sqrt());
     }
     Some(nodes)
 }
 
+/// Squares of edge `margin` of the zone around grains.
+fn zone(near: &NearGrains, grains: &GrainTable) -> usize {
+    let cell = |x: f64| (x / near.margin).floor() as i64;
+    let mut cells: Vec<[i64; 2]> = grains.position.iter().map(|x| x.map(cell)).collect();
+    cells.sort_unstable();
+    cells.dedup();
+    let rings = |cell: &[i64; 2]| {
+        let [x, y] = *cell;
+        (-2..=2).flat_map(move |i| (-2..=2).map(move |j| [x + i, y + j]))
+    };
+    let mut zone: Vec<[i64; 2]> = cells.iter().flat_map(rings).collect();
+    zone.sort_unstable();
+    zone.dedup();
+    zone.len()
+}
+
 /// Refuse a mesh that no memory holds.
-pub fn check_memory(fluid: &Fluid, grains: &GrainTable, checker: &mut Checker<'_>) {
-    let why = nodes(fluid, grains).and_then(|nodes| memory::refusal("nodes", nodes, memory::NODE));
+pub fn check_memory(scene: &CouplerScene, grains: &GrainTable, checker: &mut Checker<'_>) {
+    let why = nodes(scene, grains).and_then(|nodes| memory::refusal("nodes", nodes, memory::NODE));
     if let Some(why) = why {
         checker.refuse(
             KEY,

@@ -75,13 +75,13 @@ pub fn resolve(
         GrainTable::default()
     };
     refuse_thin_slab(&keys, &table, checker);
-    if let Some(fluid) = keys.fluid.as_ref().filter(|_| checker.problems.is_empty()) {
-        refinement::check_memory(fluid, &table, checker);
-    }
     let particles =
         (!keys.grains.is_empty()).then(|| particle_part(&keys, walls, room.as_ref(), threads));
     let grain_boundaries = walls::of_mesh(&keys, conditions);
     let mut coupler = coupler_part(&keys, fluid, particles);
+    if checker.problems.is_empty() {
+        refinement::check_memory(&coupler, &table, checker);
+    }
     coupler.grain_boundaries = grain_boundaries;
     if !table.all_fixed() {
         coupler.grain_exits = exits;

@@ -201,7 +201,7 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
                 self.stop(key, why.to_owned());
             }
             ToEngine::Adapt { epoch, sizes } if self.partner.adapts() => {
-                let mesh = self.partner.adapt(epoch, &sizes)?;
+                let mesh = self.partner.adapt((key.step, epoch), &sizes)?;
                 self.answers = mesh.as_ref().map_or_else(Vec::new, mesh_fields);
             }
             ToEngine::Adapt { .. } => {

@@ -122,13 +122,15 @@ impl Partner {
         self.hello.capabilities.contains(&Capability::Adapts)
     }
 
-    /// Ask for cells of these sizes: after `Ready` or a commit, before the next `advance`; answered by the mesh of
+    /// Ask for cells of these sizes, before this step: after `Ready` or a commit, before the next `advance`; answered by the mesh of
     /// this epoch, or none where the mesh stays. Only an engine that [adapts](Partner::adapts) understands it.
     pub fn adapt(
         &mut self,
-        epoch: u64,
+        (step, epoch): (u64, u64),
         sizes: &Refinement,
     ) -> Result<Option<MeshDescription>, Error> {
+        // also in a run that is resumed, whose engine has been asked for no step yet
+        (self.step, self.pass) = (step, 0);
         let sizes = sizes.clone();
         self.send(&ToEngine::Adapt { epoch, sizes })?;
         let awaited = "Ready after Adapt";

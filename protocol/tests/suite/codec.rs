@@ -4,7 +4,7 @@ use protocol::message::{
     Advance, Configure, Diagnostic, Done, Failure, FailureKind, ToCoupler, ToEngine,
 };
 use protocol::report::{ParticleReport, Report};
-use protocol::scene::Wall;
+use protocol::scene::{Refinement, Region, Wall};
 
 use crate::toy;
 
@@ -30,6 +30,18 @@ fn messages() -> Vec<ToEngine> {
         },
         ToEngine::Tell {
             fields: vec![Field::Pressure],
+        },
+        ToEngine::Adapt {
+            epoch: 2,
+            sizes: Refinement {
+                growth: 0.2,
+                largest: Some(0.1),
+                regions: vec![Region::Ball {
+                    centre: vec![0.5, 0.5],
+                    radius: 0.0,
+                    size: 0.01,
+                }],
+            },
         },
         ToEngine::Remove {
             grains: vec![0, 3, 1 << 40],

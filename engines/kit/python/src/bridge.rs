@@ -15,7 +15,7 @@ use protocol::engine::{
 use protocol::error::Error;
 use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind, Role};
 use protocol::report::{FluidReport, ParticleReport};
-use protocol::scene::{FluidScene, ParticleScene};
+use protocol::scene::{FluidScene, ParticleScene, Refinement};
 use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
@@ -78,6 +78,7 @@ fn capability(name: &str) -> PyResult<Capability> {
         ("steers-mean-flow", Capability::SteersMeanFlow),
         ("spin", Capability::Spin),
         ("removes-grains", Capability::RemovesGrains),
+        ("adapts", Capability::Adapts),
     ];
     let found = known.iter().find(|(known, _)| *known == name);
     found.map(|&(_, capability)| capability).ok_or_else(|| {
@@ -218,6 +219,21 @@ fn bytes<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyByteArray> {
     PyByteArray::new(py, &bytes)
 }
 
+/// A `sillage.Mesh`.
+fn mesh_of(mesh: &Bound<'_, PyAny>) -> PyResult<MeshDescription> {
+    let array = |name: &str| numbers(&mesh.getattr(name)?);
+    let corners = array("simplices")?;
+    Ok(MeshDescription {
+        dimension: mesh.getattr("dimension")?.extract()?,
+        node_position: array("nodes")?,
+        simplex_nodes: corners.iter().map(|&node| node as u32).collect(),
+        simplex_position: array("simplex_position")?,
+        nodal_mass: array("nodal_mass")?,
+        period: mesh.getattr("period")?.extract()?,
+        facets: FacetDescription::default(),
+    })
+}
+
 /// Grains from their six arrays.
 fn grains_of(arrays: &Bound<'_, PyAny>, dimension: usize) -> PyResult<InitialGrains> {
     let arrays: Vec<Bound<'_, PyAny>> = arrays.extract()?;
@@ -239,18 +255,15 @@ impl FluidEngine for Bridge<'_> {
         self.dimension = scene.dimension;
         let scene = json(scene)?;
         self.call(|_, seat| {
-            let mesh = seat.call_method1("configure_fluid", (scene,))?;
-            let array = |name: &str| numbers(&mesh.getattr(name)?);
-            let corners = array("simplices")?;
-            Ok(MeshDescription {
-                dimension: mesh.getattr("dimension")?.extract()?,
-                node_position: array("nodes")?,
-                simplex_nodes: corners.iter().map(|&node| node as u32).collect(),
-                simplex_position: array("simplex_position")?,
-                nodal_mass: array("nodal_mass")?,
-                period: mesh.getattr("period")?.extract()?,
-                facets: FacetDescription::default(),
-            })
+            mesh_of(&seat.call_method1("configure_fluid", (scene,))?)
+        })
+    }
+
+    fn adapt(&mut self, sizes: &Refinement) -> Result<Option<MeshDescription>, Failure> {
+        let sizes = json(sizes)?;
+        self.call(|_, seat| {
+            let mesh = seat.call_method1("adapt_fluid", (sizes,))?;
+            (!mesh.is_none()).then(|| mesh_of(&mesh)).transpose()
         })
     }
 

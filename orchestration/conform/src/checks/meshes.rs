@@ -64,7 +64,7 @@ fn adapt(case: &Case) -> Result<(), Trouble> {
     for (step, asked) in (1..).zip([&one, &other, &one]) {
         bench.step(step, step as u32)?;
         bench.commit(step)?;
-        let told = bench.partner.adapt(step + 1, asked);
+        let told = bench.partner.adapt((step + 1, step + 1), asked);
         let told = told.map_err(|error| format!("Adapt: {}", bench.explain(&error)))?;
         let Some(mesh) = told else {
             return Err(Trouble::Skipped("it keeps its mesh".to_owned()));

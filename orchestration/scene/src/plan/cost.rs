@@ -11,6 +11,7 @@
 
 use protocol::scene::MeshSource;
 
+use crate::refinement;
 use crate::scene::Scene;
 
 /// Seconds of one pass by part; only their ratios are meant.
@@ -40,6 +41,7 @@ impl Cost {
                 (cells[0] + 1) as f64 * (cells[1] + 1) as f64
             }
         };
+        let nodes = refinement::nodes(&scene.coupler, &scene.grains).unwrap_or(nodes);
         let grains = scene.grains.len() as f64;
         let coupled = if nodes > 0.0 && grains > 0.0 {
             1.0

@@ -6,7 +6,7 @@ use std::path::Path;
 use protocol::field::Field;
 use protocol::message::Role;
 use protocol::scene::{
-    Boundary, Convection, CouplerScene, FluidScene, Geometry, MeshSource, Nonlinear, Scheme,
+    Boundary, Convection, CouplerScene, FluidScene, Geometry, MeshSource, NearGrains, Nonlinear, Scheme,
 };
 use serde::Serialize;
 
@@ -14,6 +14,7 @@ use super::choices::{self, Choice};
 use super::kept;
 use crate::error::Error;
 use crate::record;
+use crate::refinement;
 use crate::resolve::GRAINS_FILE;
 use crate::scene::Scene;
 
@@ -153,11 +154,21 @@ fn sizes(scene: &Scene) -> Vec<String> {
             let (width, height) = (upper[0] - lower[0], upper[1] - lower[1]);
             let nodes = (columns + 1) * (rows + 1);
             let (dx, dy) = (width / columns as f64, height / rows as f64);
+            let refined = refinement::nodes(&scene.coupler, &scene.grains);
+            let nodes = refined.map_or(nodes, |nodes| nodes.round() as usize);
             sizes.push(format!(
-                "fluid: {width:.5e} × {height:.5e} m, {columns} × {rows} cells of {dx:.3e} × {dy:.3e} m, \
+                "fluid: {width:.5e} × {height:.5e} m, {columns} × {rows} cells of {dx:.3e} × {dy:.3e} m, {}\
                  about {nodes} nodes and {} unknowns",
+                if refined.is_some() { "divided where cells are to be small, " } else { "" },
                 3 * nodes
             ));
+            if let Some(near) = scene.coupler.near_grains {
+                let NearGrains { size, margin } = near;
+                sizes.push(format!(
+                    "fluid: cells of {size:.3e} m or less near grains; the mesh follows when one has gone about \
+                     {margin:.3e} m, or the zone of small cells is a fifth too large (`nodes` and `epoch` of steps.csv)"
+                ));
+            }
         }
         Some(MeshSource::File { path, .. }) => sizes.push(format!("fluid: mesh {path}")),
         None => {}

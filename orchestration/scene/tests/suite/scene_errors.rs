@@ -339,6 +339,39 @@ fn a_mixture_that_nothing_holds_is_refused_unless_the_scene_says_what_it_does() 
 }
 
 #[test]
+fn sizes_that_no_mesh_can_have_are_refused() {
+    // cells of 2.5e-3 m
+    let with = |table: &str| format!("{}\n[fluid.refinement]\n{table}\n", coupled());
+    accepted(&with("near_grains = 1e-3"), &[]);
+    accepted(&with("regions = [{ ball = { centre = [0.0, 0.0], radius = 1e-3, size = 1e-3 } }]"), &[]);
+    for (table, parts) in [
+        ("near_grains = 3e-3", ["larger than the cells", "fewer cells"]),
+        ("near_grains = 1e-10", ["smaller than the smallest", "2."]),
+        ("near_grains = 2e-8\nmargin = 1.0", ["need about", "larger cells"]),
+        ("near_grains = nan", ["near_grains", "must be"]),
+        ("near_grains = 1e-3\ngrowth = nan", ["growth", "positive"]),
+        (
+            "regions = [{ box = { lower = [1.0, 0.0], upper = [0.0, 0.0], size = 1e-3 } }]",
+            ["regions[0]", "below lower"],
+        ),
+        (
+            "regions = [{ ball = { centre = [1.0], radius = 0.0, size = 1e-3 } }]",
+            ["regions[0]", "centre"],
+        ),
+    ] {
+        let words = message(&with(table), &[], |_| {});
+        println!("{words}");
+        assert_names(&words, &parts);
+    }
+    let graded = coupled().replace("cells = [4, 8]", "cells = [4, 8], grading = [2.0, 1.0]");
+    let words = refusal_beyond_schema(&format!("{graded}\n[fluid.refinement]\nnear_grains = 1e-3\n"), &[]);
+    assert_names(&words, &["grading", "cells of one size"]);
+    let scene = accepted(&with("near_grains = 1e-3"), &[]);
+    println!("{:?}", scene.warnings);
+    assert!(scene.warnings.iter().any(|words| words.contains("makes cells of")));
+}
+
+#[test]
 fn a_missing_mesh_file_is_refused_with_its_path() {
     let text = CLEAR_FLUID.replace(
         "rectangle = { lower = [0.0, 0.0], upper = [0.01, 0.02], cells = [4, 8] }",

@@ -270,6 +270,7 @@ impl Toy {
             }
             ToEngine::Tell { fields } => self.tell(fields).map(Some),
             ToEngine::Remove { grains } => self.remove(&grains).map(Some),
+            ToEngine::Adapt { .. } => Err(broken("grains have no mesh")),
         }
     }
 

@@ -68,6 +68,21 @@ fn a_run_that_grains_have_left_goes_on_to_the_bit() {
     halves(&scene, 60, &[]);
 }
 
+/// A cloud whose mesh follows it: an epoch every few steps.
+pub const FOLLOWED: [&str; 6] = [
+    "fluid.domain.rectangle.cells=[15, 45]",
+    "fluid.refinement.near_grains=1.2e-3",
+    "fluid.refinement.margin=4e-4",
+    "grains[0].radius=1.5e-4",
+    "gravity.acceleration=[0.0, -40.0]",
+    "fluid.time_scheme=bdf2",
+];
+
+#[test]
+fn a_run_whose_mesh_follows_the_grains_goes_on_to_the_bit() {
+    halves(&shipped("cloud.toml"), 30, &FOLLOWED);
+}
+
 #[test]
 fn a_cloud_goes_on_from_every_step_to_the_bit() {
     let arguments = small_cloud(0.06);

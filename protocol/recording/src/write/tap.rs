@@ -67,8 +67,10 @@ impl Channel for Tap {
     fn send_message(&mut self, header: FieldHeader, bytes: &[u8]) -> Result<bool, Error> {
         let sent = self.inner.send_message(header, bytes)?;
         if sent {
-            let advance = matches!(codec::decode(bytes), Ok(ToEngine::Advance(_)));
-            if advance {
+            let message = codec::decode(bytes);
+            let advance = matches!(message, Ok(ToEngine::Advance(_)));
+            // a mesh belongs to the step before which it was asked for
+            if advance || matches!(message, Ok(ToEngine::Adapt { .. })) {
                 self.feed.enter(self.role, header.step, header.pass);
             }
             self.message(Kind::Request, header, bytes);

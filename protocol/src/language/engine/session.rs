@@ -214,8 +214,13 @@ impl Session {
             .channel
             .receive_message(Wait::new(self.step, awaited, limit))?;
         header.validate_message("coupler", bytes.len())?;
-        codec::decode(&bytes)
-            .map_err(|e| Error::invalid("coupler", self.step, "message", e.to_string()))
+        let message = codec::decode(&bytes)
+            .map_err(|e| Error::invalid("coupler", self.step, "message", e.to_string()))?;
+        if matches!(message, ToEngine::Adapt { .. }) {
+            // in a run that is resumed no step was asked for yet
+            (self.step, self.pass) = (header.step, header.pass);
+        }
+        Ok(message)
     }
 
     /// Repeat Hello until the coupler listens.

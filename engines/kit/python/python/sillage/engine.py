@@ -35,7 +35,8 @@ class _Engine:
     #: ``"convection-as-needed"`` (``scene["convection"]`` may be ``"auto"``: left out while small),
     #: ``"moving-walls"`` (grains: the ``velocity`` of a wall, where it has one, enters the friction),
     #: ``"spin"`` (grains: every candidate has ``grain_spin``),
-    #: ``"removes-grains"`` (grains: ``remove`` is there).
+    #: ``"removes-grains"`` (grains: ``remove`` is there),
+    #: ``"adapts"`` (fluid: goes by ``scene["refinement"]``, and ``adapt`` is there).
     capabilities = ()
 
     def commit(self):
@@ -76,6 +77,16 @@ class FluidEngine(_Engine):
         the engine may then be asked again, with a smaller step. Any other exception ends the run.
         """
         raise NotImplementedError
+
+
+    def adapt(self, sizes):
+        """Change to a mesh with cells of these sizes, before a step, and carry the accepted state over to it; return
+        the new :class:`sillage.Mesh`, or ``None`` where the mesh stays. ``sizes`` is a ``dict`` with the keys of
+        ``Refinement`` (protocol/src/language/scene): h(x) = min(``largest``, size + ``growth`` · distance of each of
+        ``regions``) [m]. The mesh must depend on ``sizes`` and the scene alone. Called only where ``capabilities``
+        has ``"adapts"``.
+        """
+        raise NotImplementedError(f"{self.name} keeps its mesh")
 
 
 class ParticleEngine(_Engine):

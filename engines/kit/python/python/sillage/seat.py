@@ -45,6 +45,15 @@ class Seat:
         self.shape = mesh.nodes.shape
         return mesh
 
+    def adapt_fluid(self, sizes):
+        mesh = self.engine.adapt(json.loads(sizes))
+        if mesh is None:
+            return None
+        if not isinstance(mesh, Mesh):
+            raise TypeError(f"adapt returned {type(mesh).__name__}, must be a sillage.Mesh or None")
+        self.shape = mesh.nodes.shape
+        return mesh
+
     def configure_particles(self, scene, arrays):
         scene = json.loads(scene)
         dimension = scene["dimension"]
