@@ -4,17 +4,16 @@
 
 use std::time::Duration;
 
-use criterion::{Criterion, criterion_group, criterion_main};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fluid_solver::boundary::{Condition, Constraints};
 use fluid_solver::equations::assembly::Assembly;
 use fluid_solver::equations::{Carrier, Coefficients, ViscousForm};
 use fluid_solver::linear::LinearSolver;
 use fluid_solver::linear::System;
-use fluid_solver::mesh::Mesh;
-use fluid_solver::mesh::Rectangle;
+use fluid_solver::mesh::{Bisection, Mesh, Place, Rectangle, Root, Sizes, Zone};
 use fluid_solver::solid::{Solid, SolidFields};
 use fluid_solver::state::Flow;
-use space::Vector;
+use space::{Dim, Dimension, Vector};
 
 fn mesh() -> Mesh<2, 3> {
     Rectangle::new([-0.037, 0.0], [0.037, 0.222], [80, 240])
@@ -39,6 +38,37 @@ fn solid(mesh: &Mesh<2, 3>) -> Solid<2> {
         ..SolidFields::default()
     };
     Solid::new(&fields, mesh).expect("valid fields")
+}
+
+/// Cells of R/12 near a ball of radius 1.5 R, the domain 20 R wide: nodes a second.
+fn bisect<const D: usize, const N: usize>(c: &mut Criterion, cells: [usize; D], growth: f64)
+where
+    Dim<D>: Dimension<D>,
+{
+    let root = Root {
+        lower: Vector::<D>::zeros(),
+        upper: space::vector::from_fn(|d| cells[d] as f64 * 4.0 / 3.0),
+        cells,
+        periodic: [false; D],
+    };
+    let place = Place::Ball {
+        centre: (root.lower + root.upper) * 0.5,
+        radius: 1.5,
+    };
+    let size = 1.0 / 12.0;
+    let sizes = Sizes::new(vec![Zone { place, size }], growth, 2.2, root.period());
+    let make = || Bisection::<D, N>::new(&root, &sizes, 4_000_000).expect("a mesh");
+    let mut group = c.benchmark_group(format!("bisection {D}D"));
+    group.throughput(Throughput::Elements(make().1.node_count() as u64));
+    group
+        .sample_size(10)
+        .bench_function("mesh", |b| b.iter(make));
+    group.finish();
+}
+
+fn bisection(c: &mut Criterion) {
+    bisect::<2, 3>(c, [15, 45], 0.2);
+    bisect::<3, 4>(c, [12, 12, 24], 0.28);
 }
 
 fn bench(c: &mut Criterion) {
@@ -105,5 +135,5 @@ fn bench(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, bench);
+criterion_group!(benches, bisection, bench);
 criterion_main!(benches);

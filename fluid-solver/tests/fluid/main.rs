@@ -13,6 +13,7 @@ mod mean_flow;
 mod open;
 mod porous;
 mod refusals;
+mod serve;
 mod space;
 mod support;
 mod symmetry;

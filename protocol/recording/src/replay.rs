@@ -192,7 +192,7 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
                 self.partner.tell(&mut outputs(&mut self.answers))?;
             }
             ToEngine::Withhold { .. } | ToEngine::Tell { .. } => {}
-            ToEngine::Remove { grains } if self.removes() => {
+            ToEngine::Remove { grains } if self.can(Capability::RemovesGrains) => {
                 let gone: Vec<usize> = grains.iter().map(|&grain| grain as usize).collect();
                 self.answers = grain_fields(&self.partner.remove(&gone)?);
             }
@@ -200,7 +200,7 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
                 let why = "grains leave there, and this engine cannot take grains out (capability RemovesGrains)";
                 self.stop(key, why.to_owned());
             }
-            ToEngine::Adapt { epoch, sizes } if self.partner.adapts() => {
+            ToEngine::Adapt { epoch, sizes } if self.can(Capability::Adapts) => {
                 let mesh = self.partner.adapt((key.step, epoch), &sizes)?;
                 self.answers = mesh.as_ref().map_or_else(Vec::new, mesh_fields);
             }
@@ -221,9 +221,8 @@ impl<F: FnMut(u64, f64)> Player<'_, F> {
         fields
     }
 
-    fn removes(&self) -> bool {
-        let able = &self.partner.hello().capabilities;
-        able.contains(&Capability::RemovesGrains)
+    fn can(&self, capability: Capability) -> bool {
+        self.partner.hello().capabilities.contains(&capability)
     }
 
     /// A failure of the engine is an answer, to be compared with the recorded one; a lost or silent

@@ -5,9 +5,10 @@ use crate::language::engine::MeshDescription;
 use crate::language::error::Error;
 use crate::language::field::Field;
 use crate::language::header::FieldHeader;
-use crate::language::message::{Done, Failure, FailureKind, ToCoupler};
+use crate::language::message::{Capability, Done, Failure, FailureKind, Hello, ToCoupler};
 use crate::language::report::Report;
 use crate::language::role::Role;
+use crate::language::scene::FluidScene;
 use crate::transport::exchange::Counts;
 
 /// The message in these bytes, its header checked.
@@ -99,30 +100,27 @@ pub(crate) fn require_finite_report(who: &str, step: u64, done: &Done) -> Result
     }
 }
 
-/// The scene asks for a mean flow that this engine cannot keep.
-pub(crate) fn cannot_steer(who: &str, engine: &str) -> Error {
-    let why = format!(
-        "the scene steers the mean flow (fluid.mean_flow), which {engine} cannot do (capability \
-         SteersMeanFlow): write mean_flow = \"free\", or leave [engines] fluid out"
-    );
-    Error::Engine {
-        who: who.to_owned(),
+/// The scene asks for a mean flow, or for cells, that this engine does not go by.
+pub(crate) fn require_able(hello: &Hello, scene: &FluidScene) -> Result<(), Error> {
+    let (able, engine) = (&hello.capabilities, &hello.engine);
+    let why = if scene.mean_flow.is_steered() && !able.contains(&Capability::SteersMeanFlow) {
+        format!(
+            "the scene steers the mean flow (fluid.mean_flow), which {engine} cannot do (capability \
+             SteersMeanFlow): write mean_flow = \"free\", or leave [engines] fluid out"
+        )
+    } else if scene.refinement.is_some() && !able.contains(&Capability::Adapts) {
+        format!(
+            "the scene says how large cells are (fluid.refinement), which {engine} does not go by (capability \
+             Adapts): leave that table out, or [engines] fluid"
+        )
+    } else {
+        return Ok(());
+    };
+    Err(Error::Engine {
+        who: hello.role.seat().to_owned(),
         step: 0,
         failure: Failure::new(FailureKind::Scene, why),
-    }
-}
-
-/// The scene asks for cells of other sizes than those of this engine's mesh.
-pub(crate) fn cannot_adapt(who: &str, engine: &str) -> Error {
-    let why = format!(
-        "the scene says how large cells are (fluid.refinement), which {engine} does not go by (capability Adapts): \
-         leave that table out, or [engines] fluid"
-    );
-    Error::Engine {
-        who: who.to_owned(),
-        step: 0,
-        failure: Failure::new(FailureKind::Scene, why),
-    }
+    })
 }
 
 /// Does an engine answer in the dimension that it was asked for?

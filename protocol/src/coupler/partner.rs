@@ -18,8 +18,7 @@ use crate::transport::channel::{Channel, Wait, seconds};
 use crate::transport::exchange::{Counts, Moment, receive_grains};
 
 use super::check::{
-    cannot_adapt, cannot_steer, check_done, count, parse, require_finite_report, same_dimension,
-    unexpected,
+    check_done, count, parse, require_able, require_finite_report, same_dimension, unexpected,
 };
 use super::hello::hello;
 use super::told;
@@ -98,17 +97,13 @@ impl Partner {
     pub fn configure_fluid(&mut self, scene: &FluidScene) -> Result<MeshDescription, Error> {
         let scene_dimension = scene.dimension;
         let mut scene = scene.clone();
-        let capabilities = &self.hello().capabilities;
-        let able = |capability| capabilities.contains(&capability);
-        if !able(Capability::ConvectionAsNeeded) && scene.convection == Convection::AsNeeded {
+        let able = &self.hello().capabilities;
+        if !able.contains(&Capability::ConvectionAsNeeded)
+            && scene.convection == Convection::AsNeeded
+        {
             scene.convection = Convection::Always;
         }
-        if !able(Capability::SteersMeanFlow) && scene.mean_flow.is_steered() {
-            return Err(cannot_steer(self.seat(), &self.hello().engine));
-        }
-        if !able(Capability::Adapts) && scene.refinement.is_some() {
-            return Err(cannot_adapt(self.seat(), &self.hello().engine));
-        }
+        require_able(self.hello(), &scene)?;
         self.send(&ToEngine::Configure(Configure::Fluid(Box::new(scene))))?;
         let wait = Wait::new(0, "Ready", seconds(self.limits.configure));
         match self.answer(wait)? {
@@ -117,13 +112,8 @@ impl Partner {
         }
     }
 
-    /// Does the engine go by sizes of cells?
-    pub fn adapts(&self) -> bool {
-        self.hello.capabilities.contains(&Capability::Adapts)
-    }
-
     /// Ask for cells of these sizes, before this step: after `Ready` or a commit, before the next `advance`; answered by the mesh of
-    /// this epoch, or none where the mesh stays. Only an engine that [adapts](Partner::adapts) understands it.
+    /// this epoch, or none where the mesh stays. Only an engine with `Capability::Adapts` understands it.
     pub fn adapt(
         &mut self,
         (step, epoch): (u64, u64),
@@ -149,42 +139,15 @@ impl Partner {
         }
     }
 
-    /// The mesh that was told, and its counts.
+    /// The mesh that was told.
     fn mesh(
         &mut self,
         ready: Ready,
-        dimension_asked: usize,
+        dimension: usize,
         wait: Wait<'_>,
     ) -> Result<MeshDescription, Error> {
-        let Ready::Mesh {
-            epoch,
-            dimension,
-            nodes,
-            simplices,
-            period,
-            facets,
-            boundaries,
-        } = ready
-        else {
-            let ready = ToCoupler::Ready(ready);
-            return Err(unexpected(
-                self.seat(),
-                self.step,
-                &ready,
-                "Ready with a mesh",
-            ));
-        };
-        same_dimension(self.seat(), dimension_asked, dimension)?;
-        self.counts = Counts {
-            epoch,
-            dimension: dimension_asked,
-            nodes: count(self.seat(), "nodes", nodes)?,
-            simplices: count(self.seat(), "simplices", simplices)?,
-            facets: count(self.seat(), "facets", facets)?,
-            grains: 0,
-        };
-        let mut mesh = told::mesh(&self.counts, &mut *self.channel, period, wait)?;
-        mesh.facets = told::facets(&self.counts, &mut *self.channel, boundaries, wait)?;
+        let (counts, mesh) = told::ready(ready, dimension, &mut *self.channel, wait)?;
+        self.counts = counts;
         Ok(mesh)
     }
 

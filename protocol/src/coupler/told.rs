@@ -4,14 +4,49 @@ use crate::language::engine::{FacetDescription, MeshDescription};
 use crate::language::error::Error;
 use crate::language::field::{BOUNDARY, Field, MESH};
 use crate::language::header::Stage;
-use crate::language::message::MeshBoundary;
+use crate::language::message::{MeshBoundary, Ready, ToCoupler};
 use crate::transport::channel::{Channel, Wait};
 use crate::transport::exchange::{Counts, Moment};
 
-use super::check::{check_mesh, corners, facet_boundaries};
+use super::check::{check_mesh, corners, count, facet_boundaries, same_dimension, unexpected};
+
+/// The mesh of an engine that is ready, in the dimension that it was asked for, and its counts.
+pub(super) fn ready(
+    ready: Ready,
+    dimension_asked: usize,
+    channel: &mut dyn Channel,
+    wait: Wait<'_>,
+) -> Result<(Counts, MeshDescription), Error> {
+    let who = channel.peer().to_owned();
+    let Ready::Mesh {
+        epoch,
+        dimension,
+        nodes,
+        simplices,
+        period,
+        facets,
+        boundaries,
+    } = ready
+    else {
+        let ready = ToCoupler::Ready(ready);
+        return Err(unexpected(&who, wait.step, &ready, "Ready with a mesh"));
+    };
+    same_dimension(&who, dimension_asked, dimension)?;
+    let counts = Counts {
+        epoch,
+        dimension: dimension_asked,
+        nodes: count(&who, "nodes", nodes)?,
+        simplices: count(&who, "simplices", simplices)?,
+        facets: count(&who, "facets", facets)?,
+        grains: 0,
+    };
+    let mut mesh = mesh(&counts, channel, period, wait)?;
+    mesh.facets = facets_of(&counts, channel, boundaries, wait)?;
+    Ok((counts, mesh))
+}
 
 /// The mesh, without its boundary.
-pub(super) fn mesh(
+fn mesh(
     counts: &Counts,
     channel: &mut dyn Channel,
     period: Vec<Option<f64>>,
@@ -34,7 +69,7 @@ pub(super) fn mesh(
 }
 
 /// Its boundary; without facets where the engine does not tell it.
-pub(super) fn facets(
+fn facets_of(
     counts: &Counts,
     channel: &mut dyn Channel,
     boundaries: Vec<MeshBoundary>,

@@ -254,9 +254,7 @@ impl FluidEngine for Bridge<'_> {
     fn configure(&mut self, scene: &FluidScene) -> Result<MeshDescription, Failure> {
         self.dimension = scene.dimension;
         let scene = json(scene)?;
-        self.call(|_, seat| {
-            mesh_of(&seat.call_method1("configure_fluid", (scene,))?)
-        })
+        self.call(|_, seat| mesh_of(&seat.call_method1("configure_fluid", (scene,))?))
     }
 
     fn adapt(&mut self, sizes: &Refinement) -> Result<Option<MeshDescription>, Failure> {

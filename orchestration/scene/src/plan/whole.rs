@@ -6,7 +6,8 @@ use std::path::Path;
 use protocol::field::Field;
 use protocol::message::Role;
 use protocol::scene::{
-    Boundary, Convection, CouplerScene, FluidScene, Geometry, MeshSource, NearGrains, Nonlinear, Scheme,
+    Boundary, Convection, CouplerScene, FluidScene, Geometry, MeshSource, NearGrains, Nonlinear,
+    Scheme,
 };
 use serde::Serialize;
 

@@ -343,11 +343,20 @@ fn sizes_that_no_mesh_can_have_are_refused() {
     // cells of 2.5e-3 m
     let with = |table: &str| format!("{}\n[fluid.refinement]\n{table}\n", coupled());
     accepted(&with("near_grains = 1e-3"), &[]);
-    accepted(&with("regions = [{ ball = { centre = [0.0, 0.0], radius = 1e-3, size = 1e-3 } }]"), &[]);
+    accepted(
+        &with("regions = [{ ball = { centre = [0.0, 0.0], radius = 1e-3, size = 1e-3 } }]"),
+        &[],
+    );
     for (table, parts) in [
-        ("near_grains = 3e-3", ["larger than the cells", "fewer cells"]),
+        (
+            "near_grains = 3e-3",
+            ["larger than the cells", "fewer cells"],
+        ),
         ("near_grains = 1e-10", ["smaller than the smallest", "2."]),
-        ("near_grains = 2e-8\nmargin = 1.0", ["need about", "larger cells"]),
+        (
+            "near_grains = 2e-8\nmargin = 1.0",
+            ["need about", "larger cells"],
+        ),
         ("near_grains = nan", ["near_grains", "must be"]),
         ("near_grains = 1e-3\ngrowth = nan", ["growth", "positive"]),
         (
@@ -364,11 +373,19 @@ fn sizes_that_no_mesh_can_have_are_refused() {
         assert_names(&words, &parts);
     }
     let graded = coupled().replace("cells = [4, 8]", "cells = [4, 8], grading = [2.0, 1.0]");
-    let words = refusal_beyond_schema(&format!("{graded}\n[fluid.refinement]\nnear_grains = 1e-3\n"), &[]);
+    let words = refusal_beyond_schema(
+        &format!("{graded}\n[fluid.refinement]\nnear_grains = 1e-3\n"),
+        &[],
+    );
     assert_names(&words, &["grading", "cells of one size"]);
     let scene = accepted(&with("near_grains = 1e-3"), &[]);
     println!("{:?}", scene.warnings);
-    assert!(scene.warnings.iter().any(|words| words.contains("makes cells of")));
+    assert!(
+        scene
+            .warnings
+            .iter()
+            .any(|words| words.contains("makes cells of"))
+    );
 }
 
 #[test]
