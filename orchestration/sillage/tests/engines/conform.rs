@@ -37,7 +37,7 @@ fn with_result(document: &Value, result: &str) -> Vec<String> {
 fn the_built_in_engines_pass_every_check() {
     need_programs();
     for (seat, program, checks) in [
-        ("fluid", "sillage-fluid", 41),
+        ("fluid", "sillage-fluid", 42),
         ("particles", "sillage-particles", 44),
     ] {
         let program = programs().join(program);
