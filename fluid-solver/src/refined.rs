@@ -1,7 +1,7 @@
 //! A fluid on a mesh that follows a size function.
 //!
 //! ```text
-//!   v_new(x) = Σ N_i(x) u_i/φ_i,  φ_new(x) = Σ N_i(x) φ_i,  u_new = φ_new v_new,  p_new(x) = Σ N_i(x) p_i    (H2)
+//!   v_new(x) = Σ N_i(x) u_i/φ_i,  φ_new(x) = Σ N_i(x) φ_i,  u_new = φ_new v_new,  p_new(x) = Σ N_i(x) p_i    (Z2)
 //! ```
 //!
 //! with the shape functions of the mesh before at the nodes of the new one: a node that stays keeps its values, and a
@@ -48,7 +48,7 @@ where
         Ok((Refined { root, bisection }, mesh))
     }
 
-    /// Change to a mesh with cells of these sizes, with the accepted state carried over (H2). An error leaves all as
+    /// Change to a mesh with cells of these sizes, with the accepted state carried over (Z2). An error leaves all as
     /// it is.
     pub fn adapt(
         &mut self,

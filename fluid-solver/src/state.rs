@@ -79,7 +79,7 @@ impl<const D: usize> State<D> {
         flow
     }
 
-    /// The same on another mesh, whose nodes are at these nodes and shape functions of this one ((H2) in
+    /// The same on another mesh, whose nodes are at these nodes and shape functions of this one ((Z2) in
     /// `refined`).
     pub(crate) fn carried<const N: usize>(&self, spots: &[([u32; N], [f64; N])]) -> State<D> {
         let at = |values: &[f64]| -> Vec<f64> {

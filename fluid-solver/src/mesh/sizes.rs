@@ -1,10 +1,10 @@
 //! How large cells are to be.
 //!
 //! ```text
-//!   h(x) = min(h_max, min_z (h_z + growth · |x − z|))         |x − z|: distance to zone z, 0 inside    (H1)
+//!   h(x) = min(h_max, min_z (h_z + growth · |x − z|))         |x − z|: distance to zone z, 0 inside    (Z1)
 //! ```
 //!
-//! Zones are found by a tree of boxes, each with the smallest size in it: (H1) of the box and that size is a lower
+//! Zones are found by a tree of boxes, each with the smallest size in it: (Z1) of the box and that size is a lower
 //! bound, so that most zones are never looked at.
 
 use space::periodic::{each_image, shifted};
@@ -77,7 +77,7 @@ struct Branch<const D: usize> {
     second: Option<usize>,
 }
 
-/// (H1).
+/// (Z1).
 #[derive(Debug, Clone)]
 pub struct Sizes<const D: usize> {
     zones: Vec<Zone<D>>,
