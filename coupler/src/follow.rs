@@ -19,6 +19,9 @@ const RINGS: (i64, i64) = (2, 1);
 /// A zone that is larger than this many times the one made now is made anew.
 const TOO_LARGE: f64 = 1.2;
 
+/// Numbers of cells at most: what is farther away is in no mesh.
+const FARTHEST: i64 = 1 << 40;
+
 /// A cell of the lattice.
 type Cell<const D: usize> = [i64; D];
 
@@ -74,6 +77,9 @@ impl<const D: usize> Follow<D> {
     /// The sizes to ask for now, where the mesh must follow (A1).
     pub fn wish(&mut self, grains: &Grains<D>) -> Option<Refinement> {
         let cells = self.cells_of(grains);
+        if cells == self.asked {
+            return None;
+        }
         let outside = |cell| self.within.binary_search(cell).is_err();
         if !cells.iter().any(outside) {
             let now = self.around(&cells, RINGS.0).len();
@@ -88,7 +94,8 @@ impl<const D: usize> Follow<D> {
     pub fn again(&mut self, asked: &Asked) -> Option<Refinement> {
         let cells = asked.cells.chunks_exact(D);
         let cells: Vec<Cell<D>> = cells.filter_map(|cell| cell.try_into().ok()).collect();
-        (cells.len() * D == asked.cells.len()).then(|| self.ask(cells))
+        let near = asked.cells.iter().all(|k| k.abs() <= FARTHEST);
+        (near && cells.len() * D == asked.cells.len()).then(|| self.ask(cells))
     }
 
     /// What was asked for, since when the mesh is of this epoch.
@@ -113,12 +120,14 @@ impl<const D: usize> Follow<D> {
     fn cells_of(&self, grains: &Grains<D>) -> Vec<Cell<D>> {
         let mut cells = Vec::with_capacity(grains.count());
         for (position, radius) in grains.position.iter().zip(&grains.radius) {
-            let cell = |d: usize, x: f64| self.wrap(d, (x / self.edge[d]).floor() as i64);
-            let ends = |d: usize| [-radius, *radius].map(|r| (position[d] + r) / self.edge[d]);
-            let middle: Cell<D> = std::array::from_fn(|d| cell(d, position[d]));
+            let cell = |d: usize, x: f64| {
+                let cell = (x / self.edge[d]).floor() as i64;
+                cell.clamp(-FARTHEST, FARTHEST)
+            };
+            let middle: Cell<D> = std::array::from_fn(|d| self.wrap(d, cell(d, position[d])));
             let reach: [i64; D] = std::array::from_fn(|d| {
-                let [low, high] = ends(d);
-                ((high.floor() - low.floor()) as i64 + 1) / 2
+                let [low, high] = [-radius, *radius].map(|r| cell(d, position[d] + r));
+                (high - low + 1) / 2
             });
             self.box_around(&middle, reach, &mut cells);
         }
@@ -306,6 +315,14 @@ mod tests {
         for point in positions {
             assert!(asked.regions.iter().any(|region| is_in(region, point)));
         }
+        // nobody is left: a mesh without a zone, asked for once
+        assert_eq!(
+            follow.wish(&grains(&[])).map(|sizes| sizes.regions.len()),
+            Some(0)
+        );
+        assert_eq!(follow.wish(&grains(&[])), None);
+        let lost = grains(&[[1e300, f64::NAN], [-1e300, 0.0]]);
+        assert!(follow.wish(&lost).is_some());
         let moved = grains(&[[-0.01, 0.0], [0.99, 0.0], [1.99, 0.0]]);
         let few = Follow::new(&part(), Some(NEAR), &period).and_then(|mut f| f.wish(&moved));
         println!("{few:?}");

@@ -11,6 +11,7 @@
 use space::{Dim, Dimension};
 
 use crate::config::FluidConfig;
+use crate::cost::cpu_seconds;
 use crate::error::FluidError;
 use crate::mesh::{Bisection, Mesh, Root, Sizes, Zone};
 use crate::step::FluidSolver;
@@ -55,10 +56,11 @@ where
         solver: &mut FluidSolver<D, N>,
         sizes: &Refinement<D>,
     ) -> Result<(), FluidError> {
+        let begin = cpu_seconds();
         let (bisection, mesh) = bisect(&self.root, sizes)?;
         let spots = mesh.position.iter().map(|x| self.bisection.locate(x));
         let spots: Vec<([u32; N], [f64; N])> = spots.collect();
-        solver.change_mesh(mesh, &spots)?;
+        solver.change_mesh(mesh, &spots, begin)?;
         self.bisection = bisection;
         Ok(())
     }

@@ -61,13 +61,14 @@ where
         self.candidate = None;
     }
 
-    /// Go on on another mesh, whose nodes are at these nodes and shape functions of the one before.
+    /// Go on on another mesh, whose nodes are at these nodes and shape functions of the one before; it was begun at
+    /// this CPU time \[s\].
     pub(crate) fn change_mesh(
         &mut self,
         mesh: Mesh<D, N>,
         spots: &[([u32; N], [f64; N])],
+        begin: f64,
     ) -> Result<(), FluidError> {
-        let begin = cpu_seconds();
         let state = self.accepted.carried(spots);
         let mut problem = Problem::new(self.problem.config().clone(), mesh)?;
         problem.add_cost_of_mesh(cpu_seconds() - begin);

@@ -10,6 +10,8 @@ use crate::memory;
 const KEY: &str = "fluid.refinement";
 /// Margin of cells near grains that is left out, in cells.
 const MARGIN: f64 = 2.0;
+/// Radius of the largest grain at most, in margins.
+const RADIUS_MAX: f64 = 25.0;
 /// Halvings of a cell at most: whole coordinates of the fluid engine.
 const HALVINGS_MAX: f64 = 20.0;
 
@@ -202,8 +204,21 @@ fn zone(near: &NearGrains, grains: &GrainTable) -> usize {
     zone.len()
 }
 
-/// Refuse a mesh that no memory holds.
-pub fn check_memory(scene: &CouplerScene, grains: &GrainTable, checker: &mut Checker<'_>) {
+/// Refuse a zone around grains that are large beside its margin, and a mesh that no memory holds.
+pub fn check_grains(scene: &CouplerScene, grains: &GrainTable, checker: &mut Checker<'_>) {
+    let largest = grains.radius.iter().copied().fold(0.0, f64::max);
+    let margin = scene.near_grains.map(|near| near.margin);
+    if let Some(margin) = margin.filter(|margin| largest > RADIUS_MAX * margin) {
+        checker.refuse(
+            &format!("{KEY}.margin"),
+            format!(
+                "{margin:e} m is less than {:.1e} m, 1/{RADIUS_MAX} of the radius of the largest grain: write a larger one; \
+                 grains are spread over 2.75 radii, and cells far below that show nothing new",
+                largest / RADIUS_MAX
+            ),
+        );
+        return;
+    }
     let why = nodes(scene, grains).and_then(|nodes| memory::refusal("nodes", nodes, memory::NODE));
     if let Some(why) = why {
         checker.refuse(

@@ -80,7 +80,7 @@ pub fn resolve(
     let grain_boundaries = walls::of_mesh(&keys, conditions);
     let mut coupler = coupler_part(&keys, fluid, particles);
     if checker.problems.is_empty() {
-        refinement::check_memory(&coupler, &table, checker);
+        refinement::check_grains(&coupler, &table, checker);
     }
     coupler.grain_boundaries = grain_boundaries;
     if !table.all_fixed() {

@@ -357,6 +357,10 @@ fn sizes_that_no_mesh_can_have_are_refused() {
             "near_grains = 2e-8\nmargin = 1.0",
             ["need about", "larger cells"],
         ),
+        (
+            "near_grains = 1e-3\nmargin = 1e-6",
+            ["margin", "largest grain"],
+        ),
         ("near_grains = nan", ["near_grains", "must be"]),
         ("near_grains = 1e-3\ngrowth = nan", ["growth", "positive"]),
         (
