@@ -8,7 +8,7 @@
 //! A grain is at least two margins from the edge of a new zone, and one margin when the mesh follows. The cells are
 //! those of one lattice throughout, so that the mesh depends on where grains are and not on how they came there.
 
-use protocol::scene::{FluidScene, NearGrains, REGIONS_MAX, Refinement, Region};
+use protocol::scene::{NearGrains, REGIONS_MAX, Refinement, Region};
 use serde::{Deserialize, Serialize};
 use space::Period;
 
@@ -52,11 +52,11 @@ pub struct Follow<const D: usize> {
 impl<const D: usize> Follow<D> {
     /// In a scene that asks for it.
     pub fn new(
-        part: &FluidScene,
+        sizes: Option<&Refinement>,
         near: Option<NearGrains>,
         period: &Period<D>,
     ) -> Option<Follow<D>> {
-        let (sizes, near) = (part.refinement.clone()?, near?);
+        let (sizes, near) = (sizes?.clone(), near?);
         let count =
             period.map(|length| length.map(|length| (length / near.margin).floor().max(1.0)));
         let edge = std::array::from_fn(|d| match (period[d], count[d]) {
@@ -221,39 +221,12 @@ fn merged<const D: usize>(cells: Vec<Cell<D>>) -> Vec<[Cell<D>; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use protocol::scene::{
-        Convection, Diagonals, MeanFlow, MeshSource, Nonlinear, TimeScheme, ViscousForm,
-    };
 
-    fn part() -> FluidScene {
-        FluidScene {
-            dimension: 2,
-            density: 1.0,
-            dynamic_viscosity: 1.0,
-            gravity: vec![0.0; 2],
-            mesh: MeshSource::Rectangle {
-                lower: vec![0.0; 2],
-                upper: vec![1.0; 2],
-                cells: vec![1; 2],
-                diagonals: Diagonals::Uniform,
-                grading: vec![1.0; 2],
-            },
-            boundaries: Default::default(),
-            convection: Convection::Never,
-            time_scheme: TimeScheme::BackwardEuler,
-            nonlinear: Nonlinear::Picard,
-            viscous_form: ViscousForm::Symmetric,
-            grad_div: 1.0,
-            initial_velocity: vec![0.0; 2],
-            threads: 1,
-            mean_flow: MeanFlow::Free,
-            refinement: Some(Refinement {
-                growth: 0.2,
-                largest: None,
-                regions: Vec::new(),
-            }),
-        }
-    }
+    const SIZES: Refinement = Refinement {
+        growth: 0.2,
+        largest: None,
+        regions: Vec::new(),
+    };
 
     fn grains(positions: &[[f64; 2]]) -> Grains<2> {
         Grains {
@@ -278,7 +251,7 @@ mod tests {
 
     #[test]
     fn the_mesh_follows_when_a_grain_has_gone_a_margin_or_the_zone_is_too_large() {
-        let mut follow = Follow::new(&part(), Some(NEAR), &[None; 2]).expect("asked for");
+        let mut follow = Follow::new(Some(&SIZES), Some(NEAR), &[None; 2]).expect("asked for");
         let first = follow.wish(&grains(&[[0.55, 0.55]])).expect("never asked");
         for reach in [[0.2, 0.0], [0.0, -0.2], [0.2, 0.2]] {
             let point = [0.55 + reach[0], 0.55 + reach[1]];
@@ -290,7 +263,7 @@ mod tests {
         let asked = follow.wish(&there).expect("it is beyond the ring");
         assert_eq!(follow.wish(&there), None);
         // the same wherever it came from, and from a checkpoint
-        let mut other = Follow::new(&part(), Some(NEAR), &[None; 2]).expect("asked for");
+        let mut other = Follow::new(Some(&SIZES), Some(NEAR), &[None; 2]).expect("asked for");
         assert_eq!(other.wish(&there).as_ref(), Some(&asked));
         let kept = follow.asked(7);
         assert_eq!(other.again(&kept).as_ref(), Some(&asked));
@@ -305,7 +278,7 @@ mod tests {
     #[test]
     fn across_a_period_and_with_many_grains_every_grain_is_in_a_region() {
         let period = [Some(1.0), None];
-        let mut follow = Follow::new(&part(), Some(NEAR), &period).expect("asked for");
+        let mut follow = Follow::new(Some(&SIZES), Some(NEAR), &period).expect("asked for");
         let number = |k: usize| (k as f64 * 0.618_033_988_75).fract();
         let at = |k: usize| [number(k), 300.0 * number(7 * k)];
         let positions: Vec<[f64; 2]> = (0..3000).map(at).collect();
@@ -324,7 +297,7 @@ mod tests {
         let lost = grains(&[[1e300, f64::NAN], [-1e300, 0.0]]);
         assert!(follow.wish(&lost).is_some());
         let moved = grains(&[[-0.01, 0.0], [0.99, 0.0], [1.99, 0.0]]);
-        let few = Follow::new(&part(), Some(NEAR), &period).and_then(|mut f| f.wish(&moved));
+        let few = Follow::new(Some(&SIZES), Some(NEAR), &period).and_then(|mut f| f.wish(&moved));
         println!("{few:?}");
         let count = few.map(|sizes| sizes.regions.len());
         assert_eq!(count, Some(2), "both ends of the period");

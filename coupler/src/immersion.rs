@@ -51,7 +51,9 @@ where
         state: &mut State<D>,
     ) -> Result<(), CouplerError> {
         let transfer = &self.transfer;
-        let nodes = transfer.place_points(&mesh.node_position)?;
+        // nodes are grains of no size
+        let sizes = vec![0.0; mesh.node_position.len()];
+        let nodes = transfer.place(&mesh.node_position, &sizes)?;
         let State { flow, porosity, .. } = state;
         // a field that nobody reads is not there
         for field in [&mut flow.velocity, &mut flow.pressure_gradient] {

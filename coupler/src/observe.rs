@@ -153,7 +153,7 @@ impl Row {
             return;
         };
         let state = &simulation.state;
-        if simulation.asked().is_some() {
+        if simulation.follows() {
             self.add(columns::NODES, seat.mesh.node_position.len() as f64);
             self.add(columns::EPOCH, seat.epoch() as f64);
         }

@@ -113,7 +113,11 @@ fn immersed<const D: usize, const N: usize>(
 where
     Dim<D>: Dimension<D>,
 {
-    let mut follow = Follow::new(part, scene.near_grains, &fluid.mesh.period);
+    let mut follow = Follow::new(
+        part.refinement.as_ref(),
+        scene.near_grains,
+        &fluid.mesh.period,
+    );
     if let Some(sizes) = follow.as_mut().and_then(|follow| follow.wish(&grains)) {
         fluid.adapt((1, fluid.epoch() + 1), &sizes)?;
     }

@@ -79,6 +79,11 @@ where
         }
     }
 
+    /// Does the mesh follow the grains?
+    pub fn follows(&self) -> bool {
+        self.follow.is_some()
+    }
+
     /// What the mesh was asked for last.
     pub fn asked(&self) -> Option<Asked> {
         let follow = self.follow.as_ref()?;

@@ -30,25 +30,13 @@ pub struct Refinement<const D: usize> {
 /// Most simplices of a mesh: a direct factor of more does not fit the memory of any machine at hand.
 const SIMPLICES_MAX: usize = 8_000_000;
 
-/// The root of a mesh, and how points are found in the mesh.
-pub struct Refined<const D: usize, const N: usize> {
-    root: Root<D>,
-    bisection: Bisection<D, N>,
-}
+/// How the mesh of a solver follows.
+pub struct Refined<const D: usize, const N: usize>(Bisection<D, N>);
 
 impl<const D: usize, const N: usize> Refined<D, N>
 where
     Dim<D>: Dimension<D>,
 {
-    /// The first mesh.
-    pub fn new(
-        root: Root<D>,
-        sizes: &Refinement<D>,
-    ) -> Result<(Refined<D, N>, Mesh<D, N>), FluidError> {
-        let (bisection, mesh) = bisect(&root, sizes)?;
-        Ok((Refined { root, bisection }, mesh))
-    }
-
     /// Change to a mesh with cells of these sizes, with the accepted state carried over (Z2). An error leaves all as
     /// it is.
     pub fn adapt(
@@ -57,11 +45,11 @@ where
         sizes: &Refinement<D>,
     ) -> Result<(), FluidError> {
         let begin = cpu_seconds();
-        let (bisection, mesh) = bisect(&self.root, sizes)?;
-        let spots = mesh.position.iter().map(|x| self.bisection.locate(x));
+        let (bisection, mesh) = bisect(self.0.root(), sizes)?;
+        let spots = mesh.position.iter().map(|x| self.0.locate(x));
         let spots: Vec<([u32; N], [f64; N])> = spots.collect();
         solver.change_mesh(mesh, &spots, begin)?;
-        self.bisection = bisection;
+        self.0 = bisection;
         Ok(())
     }
 }
@@ -82,12 +70,12 @@ where
 /// A solver on its first mesh, and how that follows.
 pub fn solver<const D: usize, const N: usize>(
     config: FluidConfig<D>,
-    root: Root<D>,
+    root: &Root<D>,
     sizes: &Refinement<D>,
 ) -> Result<(FluidSolver<D, N>, Refined<D, N>), FluidError>
 where
     Dim<D>: Dimension<D>,
 {
-    let (refined, mesh) = Refined::new(root, sizes)?;
-    Ok((FluidSolver::new(config, mesh)?, refined))
+    let (bisection, mesh) = bisect(root, sizes)?;
+    Ok((FluidSolver::new(config, mesh)?, Refined(bisection)))
 }

@@ -73,7 +73,7 @@ impl FluidEngine for Engine {
             Some(sizes) => {
                 let root = source.root(&config).map_err(refuse)?;
                 let sizes = refinement(sizes).map_err(unusable)?;
-                let (solver, follows) = refined::solver(config, root, &sizes).map_err(refuse)?;
+                let (solver, follows) = refined::solver(config, &root, &sizes).map_err(refuse)?;
                 self.refined = Some(follows);
                 solver
             }

@@ -94,16 +94,6 @@ where
         Ok(placement)
     }
 
-    /// Find points on the mesh, of no size: the nodes of another mesh.
-    pub fn place_points(&self, points: &[Vector<D>]) -> Result<Placement, CouplerError> {
-        let mut placement = Placement::with_capacity(points.len(), N * points.len());
-        for (number, point) in points.iter().enumerate() {
-            let spot = self.locator.locate(number, point)?;
-            placement.push(&spot.nodes, spot.weights);
-        }
-        Ok(placement)
-    }
-
     fn ground(&self) -> Ground<'_, D, N> {
         let made = || Neighbours::new(&self.locator);
         Ground {

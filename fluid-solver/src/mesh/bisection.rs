@@ -225,6 +225,11 @@ where
         refinement.finish()
     }
 
+    /// What it was refined from.
+    pub fn root(&self) -> &Root<D> {
+        &self.root
+    }
+
     /// The nodes around a point and their linear shape functions; of a point outside of the box, the nearest in it.
     pub fn locate(&self, point: &Vector<D>) -> ([u32; N], [f64; N]) {
         let root = &self.root;

@@ -67,7 +67,7 @@ fn a_graded_mesh_has_the_orders_of_a_uniform_one() {
                 let mut config = exact.config();
                 config.time_scheme = TimeScheme::Steady;
                 config.nonlinear = NEWTON;
-                let (mut solver, _) = refined::solver(config, root, &sizes).unwrap();
+                let (mut solver, _) = refined::solver(config, &root, &sizes).unwrap();
                 exact.step(&mut solver, 0.3).unwrap();
                 let (ev, ep) = exact.errors(&solver, 0.3);
                 let orders = last.map(|(v, p)| (order(v, ev), order(p, ep)));
@@ -105,7 +105,7 @@ fn moving(
     config.time_scheme = scheme;
     let first = fine(&root, centre(0.0));
     let (mut solver, mut follows): (_, Refined<2, 3>) =
-        refined::solver(config, root.clone(), &first).unwrap();
+        refined::solver(config, &root, &first).unwrap();
     let start = exact.start(solver.mesh());
     solver.set_state(start);
     let dt = 0.5 / steps as f64;
@@ -179,7 +179,7 @@ fn a_linear_velocity_and_pressure_are_carried_over_as_they_are() {
     let root = root(0.0, 6);
     let exact = suspension(10.0, false);
     let first = fine(&root, [0.2, 0.3]);
-    let (mut solver, mut follows) = refined::solver(exact.config(), root.clone(), &first).unwrap();
+    let (mut solver, mut follows) = refined::solver(exact.config(), &root, &first).unwrap();
     let mut start = exact.start(solver.mesh());
     let velocity = |x: &Vector<2>| Vector::from([1.0 + 2.0 * x[0] - x[1], 0.5 - 3.0 * x[1]]);
     for (node, x) in solver.mesh().position.iter().enumerate() {
@@ -247,7 +247,7 @@ fn through_a_layer(drag: f64, every: Option<usize>) -> (Vec<f64>, usize) {
         largest: None,
     };
     let (mut solver, mut follows): (FluidSolver<2, 3>, _) =
-        refined::solver(config, root, &sizes(0)).unwrap();
+        refined::solver(config, &root, &sizes(0)).unwrap();
     let mut drops = Vec::new();
     let mut epochs = 1;
     for step in 0..30 {
