@@ -57,7 +57,7 @@ where
     };
     let size = 1.0 / 12.0;
     let sizes = Sizes::new(vec![Zone { place, size }], growth, 2.2, root.period());
-    let make = || Bisection::<D, N>::new(&root, &sizes, 4_000_000).expect("a mesh");
+    let make = || Bisection::<_, D, N>::new(&root, &sizes, 4_000_000).expect("a mesh");
     let mut group = c.benchmark_group(format!("bisection {D}D"));
     group.throughput(Throughput::Elements(make().1.node_count() as u64));
     group

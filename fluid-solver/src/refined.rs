@@ -13,7 +13,7 @@ use space::{Dim, Dimension};
 use crate::config::FluidConfig;
 use crate::cost::cpu_seconds;
 use crate::error::FluidError;
-use crate::mesh::{Bisection, Mesh, Root, Sizes, Zone};
+use crate::mesh::{Bisection, Forest, LongestEdge, Mesh, Root, Sizes, Zone};
 use crate::step::FluidSolver;
 
 /// How large cells are.
@@ -31,7 +31,15 @@ pub struct Refinement<const D: usize> {
 const SIMPLICES_MAX: usize = 8_000_000;
 
 /// How the mesh of a solver follows.
-pub struct Refined<const D: usize, const N: usize>(Bisection<D, N>);
+pub enum Refined<const D: usize, const N: usize>
+where
+    Dim<D>: Dimension<D>,
+{
+    /// From a box of cells.
+    Cells(Bisection<Root<D>, D, N>),
+    /// From a mesh.
+    Mesh(Bisection<LongestEdge<D, N>, D, N>),
+}
 
 impl<const D: usize, const N: usize> Refined<D, N>
 where
@@ -44,20 +52,32 @@ where
         solver: &mut FluidSolver<D, N>,
         sizes: &Refinement<D>,
     ) -> Result<(), FluidError> {
-        let begin = cpu_seconds();
-        let (bisection, mesh) = bisect(self.0.root(), sizes)?;
-        let spots = mesh.position.iter().map(|x| self.0.locate(x));
-        let spots: Vec<([u32; N], [f64; N])> = spots.collect();
-        solver.change_mesh(mesh, &spots, begin)?;
-        self.0 = bisection;
-        Ok(())
+        match self {
+            Refined::Cells(before) => follow(before, solver, sizes),
+            Refined::Mesh(before) => follow(before, solver, sizes),
+        }
     }
 }
 
-fn bisect<const D: usize, const N: usize>(
-    root: &Root<D>,
+fn follow<F: Forest<D, N> + Clone, const D: usize, const N: usize>(
+    before: &mut Bisection<F, D, N>,
+    solver: &mut FluidSolver<D, N>,
     sizes: &Refinement<D>,
-) -> Result<(Bisection<D, N>, Mesh<D, N>), FluidError>
+) -> Result<(), FluidError>
+where
+    Dim<D>: Dimension<D>,
+{
+    let begin = cpu_seconds();
+    let (bisection, mesh) = bisect(before.root(), sizes)?;
+    solver.change_mesh(mesh, &before.spots_of(&bisection), begin)?;
+    *before = bisection;
+    Ok(())
+}
+
+fn bisect<F: Forest<D, N> + Clone, const D: usize, const N: usize>(
+    root: &F,
+    sizes: &Refinement<D>,
+) -> Result<(Bisection<F, D, N>, Mesh<D, N>), FluidError>
 where
     Dim<D>: Dimension<D>,
 {
@@ -67,7 +87,7 @@ where
     Bisection::new(root, &sizes, SIMPLICES_MAX)
 }
 
-/// A solver on its first mesh, and how that follows.
+/// A solver on its first mesh, refined from a box of cells, and how that follows.
 pub fn solver<const D: usize, const N: usize>(
     config: FluidConfig<D>,
     root: &Root<D>,
@@ -77,5 +97,18 @@ where
     Dim<D>: Dimension<D>,
 {
     let (bisection, mesh) = bisect(root, sizes)?;
-    Ok((FluidSolver::new(config, mesh)?, Refined(bisection)))
+    Ok((FluidSolver::new(config, mesh)?, Refined::Cells(bisection)))
+}
+
+/// The same, refined from a mesh without joined sides.
+pub fn solver_on_mesh<const D: usize, const N: usize>(
+    config: FluidConfig<D>,
+    root: &Mesh<D, N>,
+    sizes: &Refinement<D>,
+) -> Result<(FluidSolver<D, N>, Refined<D, N>), FluidError>
+where
+    Dim<D>: Dimension<D>,
+{
+    let (bisection, mesh) = bisect(&LongestEdge::new(root)?, sizes)?;
+    Ok((FluidSolver::new(config, mesh)?, Refined::Mesh(bisection)))
 }

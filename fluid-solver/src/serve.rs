@@ -71,9 +71,8 @@ impl FluidEngine for Engine {
                 FluidSolver::new(config, mesh).map_err(refuse)?
             }
             Some(sizes) => {
-                let root = source.root(&config).map_err(refuse)?;
                 let sizes = refinement(sizes).map_err(unusable)?;
-                let (solver, follows) = refined::solver(config, &root, &sizes).map_err(refuse)?;
+                let (solver, follows) = source.refined(config, &sizes).map_err(refuse)?;
                 self.refined = Some(follows);
                 solver
             }
@@ -324,24 +323,29 @@ impl Source<'_> {
         }
     }
 
-    /// The cells that a mesh is refined from.
-    fn root(self, config: &FluidConfig<2>) -> Result<Root<2>, FluidError> {
+    /// A solver whose mesh is refined from this one.
+    fn refined(
+        self,
+        config: FluidConfig<2>,
+        sizes: &Refinement<2>,
+    ) -> Result<(FluidSolver<2, 3>, Refined<2, 3>), FluidError> {
         match self {
             Source::Rectangle(rectangle) if rectangle.grading == Vector::from([1.0; 2]) => {
-                Ok(Root {
+                let root = Root {
                     lower: rectangle.lower,
                     upper: rectangle.upper,
                     cells: rectangle.cells,
                     periodic: periodic_directions(&config.boundaries)?,
-                })
+                };
+                refined::solver(config, &root, sizes)
             }
             Source::Rectangle(_) => Err(FluidError::Mesh(
                 "a rectangle is refined from cells of one size: leave its grading out".to_owned(),
             )),
-            Source::File(..) => Err(FluidError::Mesh(
-                "a mesh that is read from a file is taken as it is: leave its refinement out"
-                    .to_owned(),
-            )),
+            Source::File(..) => {
+                let mesh = self.mesh(&config)?;
+                refined::solver_on_mesh(config, &mesh, sizes)
+            }
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use fluid_solver::mesh::{Bisection, Mesh, Place, Root, Sizes, Zone};
+use fluid_solver::mesh::{Bisection, Mesh, Place, Root, Sizes, Spot, Zone};
 use space::{Dim, Dimension, Vector, simplex, vector};
 
 use crate::support::Random;
@@ -89,10 +89,33 @@ fn require_conforming<const D: usize, const N: usize>(mesh: &Mesh<D, N>, root: &
 }
 
 /// Of halves: round-off of a long sum is not that of the mesh.
-fn sum(values: &[f64]) -> f64 {
+pub fn sum(values: &[f64]) -> f64 {
     match values.len() {
         0..=8 => values.iter().sum(),
         count => sum(&values[..count / 2]) + sum(&values[count / 2..]),
+    }
+}
+
+/// Each node of another mesh is the mean of the nodes around it; one that is in both is found as itself.
+pub fn require_found<const D: usize, const N: usize>(
+    spots: &[Spot<N>],
+    mesh: &Mesh<D, N>,
+    other: &Mesh<D, N>,
+    apart: impl Fn(&Vector<D>, &Vector<D>) -> Vector<D>,
+) {
+    assert_eq!(spots.len(), other.node_count());
+    for ((nodes, weights), position) in spots.iter().zip(&other.position) {
+        assert!(weights.iter().all(|&weight| weight >= 0.0), "{weights:?}");
+        assert_eq!(weights.iter().sum::<f64>(), 1.0);
+        let mut mean = Vector::<D>::zeros();
+        for (node, weight) in nodes.iter().zip(weights) {
+            mean += apart(&mesh.position[*node as usize], position) * *weight;
+        }
+        assert!(mean.norm() < 1e-12, "{mean}");
+        let same = |&node: &u32| mesh.position[node as usize] == *position;
+        if let Some(k) = nodes.iter().position(same) {
+            assert_eq!(weights[k], 1.0);
+        }
     }
 }
 
@@ -106,7 +129,7 @@ where
     for _ in 0..300 {
         let (root, zones, growth) = random::<D>(&mut random_numbers, finest);
         let sizes = Sizes::new(zones.clone(), growth, root.size(), root.period());
-        let (bisection, mesh) = Bisection::<D, N>::new(&root, &sizes, SIMPLICES_MAX).unwrap();
+        let (bisection, mesh) = Bisection::<_, D, N>::new(&root, &sizes, SIMPLICES_MAX).unwrap();
         require_conforming(&mesh, &root);
         let extent = root.upper - root.lower;
         let volume: f64 = extent.iter().product();
@@ -133,23 +156,18 @@ where
         // the same bits in another order
         let turned: Vec<_> = zones.iter().rev().copied().collect();
         let again = Sizes::new(turned, growth, root.size(), root.period());
-        let (_, again) = Bisection::<D, N>::new(&root, &again, SIMPLICES_MAX).unwrap();
+        let (_, again) = Bisection::<_, D, N>::new(&root, &again, SIMPLICES_MAX).unwrap();
         assert!(again.position == mesh.position && again.simplices == mesh.simplices);
-        // a point is the mean of the nodes around it
-        for _ in 0..20 {
-            let point: Vector<D> =
-                vector::from_fn(|d| random_numbers.between(root.lower[d], root.upper[d]));
-            let (nodes, weights) = bisection.locate(&point);
-            assert!(weights.iter().all(|&weight| weight >= 0.0));
-            assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-            let mut mean = Vector::<D>::zeros();
-            for (node, weight) in nodes.iter().zip(weights) {
-                let apart = mesh.position[*node as usize] - point;
-                mean += space::periodic::shortest_image(apart, &root.period()) * weight;
-            }
-            // with a cell or two across a period the nearest image need not be the corner
-            let near = (0..D).all(|d| !root.periodic[d] || root.cells[d] > 2);
-            assert!(!near || mean.norm() < 1e-12, "{mean}");
+        // a node of another mesh is the mean of the nodes around it
+        let (_, others, _) = random::<D>(&mut random_numbers, finest);
+        let sizes = Sizes::new(others, growth, root.size(), root.period());
+        let (other, nodes) = Bisection::<_, D, N>::new(&root, &sizes, SIMPLICES_MAX).unwrap();
+        // with a cell or two across a period the nearest image need not be the corner
+        let near = (0..D).all(|d| !root.periodic[d] || root.cells[d] > 2);
+        let apart =
+            |a: &Vector<D>, b: &Vector<D>| space::periodic::shortest_image(a - b, &root.period());
+        if near {
+            require_found(&bisection.spots_of(&other), &mesh, &nodes, apart);
         }
     }
     println!(
@@ -183,7 +201,7 @@ where
     let mesh = |levels: i32| {
         let size = 2f64.powi(-levels);
         let sizes = Sizes::new(vec![Zone { place, size }], 1.0, 1.0, [None; D]);
-        Bisection::<D, N>::new(&root, &sizes, SIMPLICES_MAX)
+        Bisection::<_, D, N>::new(&root, &sizes, SIMPLICES_MAX)
             .unwrap()
             .1
     };
@@ -238,7 +256,7 @@ fn what_cannot_be_refined_is_refused() {
         (1, 1e-4, "more than 1000 triangles"),
     ] {
         let sizes = Sizes::new(vec![point(size)], 0.2, 1.0, [None; 2]);
-        let refused = Bisection::<2, 3>::new(&root(cells), &sizes, 1000);
+        let refused = Bisection::<_, 2, 3>::new(&root(cells), &sizes, 1000);
         let words = refused.map(drop).unwrap_err().to_string();
         println!("{words}");
         assert!(words.contains(named), "{words}");

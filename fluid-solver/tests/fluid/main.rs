@@ -8,6 +8,7 @@ mod creeping;
 mod epochs;
 mod held;
 mod inflow;
+mod longest;
 mod manufactured;
 mod mean_flow;
 mod open;
