@@ -1,13 +1,16 @@
 //! A fluid without grains, and grains without a fluid.
 
+use protocol::scene::Refinement;
 use space::{Dim, Dimension};
 
 use crate::error::CouplerError;
+use crate::follow::carry;
 use crate::report::StepReport;
 use crate::seats::fluid::FluidSeat;
 use crate::seats::particles::ParticleSeat;
 use crate::seats::request::Request;
 use crate::state::{State, require_finite};
+use crate::transfer::deposit::Transfer;
 
 /// A fluid without grains.
 pub struct FluidAlone<const D: usize, const N: usize> {
@@ -36,6 +39,21 @@ where
             passes: 1,
             ..StepReport::default()
         })
+    }
+
+    /// Ask for cells of these sizes before this step, on a mesh of this epoch; the state follows.
+    pub fn adapt(
+        &mut self,
+        asked: (u64, u64),
+        sizes: &Refinement,
+        state: &mut State<D>,
+    ) -> Result<(), CouplerError> {
+        // per metre of depth, which no grain asks for
+        let before = Transfer::new(&self.fluid.mesh, 1.0);
+        match self.fluid.adapt(asked, sizes)? {
+            true => carry(&before, &self.fluid.mesh, state),
+            false => Ok(()),
+        }
     }
 }
 

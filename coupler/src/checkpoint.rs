@@ -24,7 +24,7 @@ use crate::simulation::Simulation;
 use crate::state::State;
 
 const MAGIC: &[u8] = b"SILLCPL\0";
-const VERSION: u8 = 2;
+const VERSION: u8 = 3;
 
 /// What the coupler is in between two steps.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -33,7 +33,7 @@ pub struct Kept<const D: usize> {
     scene: String,
     /// Of the mesh, where there is a fluid.
     mesh: Option<u32>,
-    /// What that was asked for, where it follows the grains.
+    /// What that was asked for, where it follows.
     asked: Option<Asked>,
     /// The clock.
     pub clock: Memory,

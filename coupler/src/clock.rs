@@ -196,6 +196,7 @@ mod tests {
             grain_boundaries: None,
             grain_exits: Vec::new(),
             near_grains: None,
+            indicator: None,
             grains_file: None,
             scheme: Scheme::Staggered,
             drag: DragLaw::Dallavalle,

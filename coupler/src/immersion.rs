@@ -8,6 +8,7 @@ use crate::drag::laws::{self, Fluid, POROSITY_RANGE, Shape};
 use crate::drag::slip::implicit_slip_speed;
 use crate::error::{CouplerError, place};
 use crate::exits::Exits;
+use crate::follow::carry;
 use crate::state::{Flow, Grains, State};
 use crate::transfer::mesh::Mesh;
 use crate::transfer::{Placement, Transfer};
@@ -50,21 +51,8 @@ where
         mesh: &Mesh<D, N>,
         state: &mut State<D>,
     ) -> Result<(), CouplerError> {
-        let transfer = &self.transfer;
-        // nodes are grains of no size
-        let sizes = vec![0.0; mesh.node_position.len()];
-        let nodes = transfer.place(&mesh.node_position, &sizes)?;
-        let State { flow, porosity, .. } = state;
-        // a field that nobody reads is not there
-        for field in [&mut flow.velocity, &mut flow.pressure_gradient] {
-            if !field.is_empty() {
-                *field = transfer.sample(&nodes, field);
-            }
-        }
-        if !porosity.is_empty() {
-            *porosity = transfer.sample(&nodes, porosity);
-        }
-        self.transfer = Transfer::new(mesh, transfer.depth());
+        carry(&self.transfer, mesh, state)?;
+        self.transfer = Transfer::new(mesh, self.transfer.depth());
         Ok(())
     }
 

@@ -37,8 +37,8 @@ pub struct Begun<const D: usize, const N: usize> {
     pub system: System<D, N>,
     /// The initial state.
     pub state: State<D>,
-    /// How the mesh follows the grains, where it does.
-    pub follow: Option<Follow<D>>,
+    /// How the mesh follows grains and flow, where it does.
+    pub follow: Option<Follow<D, N>>,
 }
 
 /// Configure the engines and take over their initial state.
@@ -73,9 +73,9 @@ where
         (Some((fluid, part)), None) => {
             let porosity = vec![1.0; fluid.mesh.nodal_mass.len()];
             Ok(Begun {
+                follow: follow(scene, part, &fluid),
                 state: state(Grains::default(), at_start(part, &porosity)?, porosity),
                 system: System::FluidAlone(Box::new(FluidAlone { fluid })),
-                follow: None,
             })
         }
         (None, Some(((particles, grains), _))) => Ok(Begun {
@@ -113,14 +113,15 @@ fn immersed<const D: usize, const N: usize>(
 where
     Dim<D>: Dimension<D>,
 {
-    let mut follow = Follow::new(
-        part.refinement.as_ref(),
-        scene.near_grains,
-        &fluid.mesh.period,
-    );
-    if let Some(sizes) = follow.as_mut().and_then(|follow| follow.wish(&grains)) {
-        fluid.adapt((1, fluid.epoch() + 1), &sizes)?;
+    let mut follow = follow(scene, part, &fluid);
+    let epoch = fluid.epoch();
+    // the first mesh is right; nobody has computed a flow yet
+    let begun = state(grains, Flow::default(), Vec::new());
+    let wish = |follow: &mut Follow<D, N>| follow.wish(&begun, &fluid.mesh, epoch);
+    if let Some(sizes) = follow.as_mut().and_then(wish) {
+        fluid.adapt((1, epoch + 1), &sizes)?;
     }
+    let grains = begun.grains;
     let exits = exits(scene, &fluid, &particles)?;
     let immersion = immersion(scene, part, &fluid.mesh, &grains.radius, exits)?;
     let porosity = match scene.reaction {
@@ -160,6 +161,23 @@ where
         state,
         follow,
     })
+}
+
+/// How the mesh of a scene follows, where it does.
+fn follow<const D: usize, const N: usize>(
+    scene: &CouplerScene,
+    part: &FluidScene,
+    fluid: &FluidSeat<D, N>,
+) -> Option<Follow<D, N>>
+where
+    Dim<D>: Dimension<D>,
+{
+    Follow::new(
+        part.refinement.as_ref(),
+        scene.near_grains,
+        scene.indicator,
+        (fluid.mesh.largest_cell(), &fluid.mesh.period),
+    )
 }
 
 /// Grains of these radii \[m\] in the fluid of a scene.

@@ -25,8 +25,8 @@ pub struct Simulation<const D: usize, const N: usize> {
     pub system: System<D, N>,
     /// The accepted state.
     pub state: State<D>,
-    /// How the mesh follows the grains, where it does.
-    follow: Option<Follow<D>>,
+    /// How the mesh follows grains and flow, where it does.
+    follow: Option<Follow<D, N>>,
     /// Are all in that state? Not while a step is being accepted.
     settled: bool,
 }
@@ -57,15 +57,16 @@ where
         })
     }
 
-    /// Let the mesh follow the grains, before a step; true where it did.
+    /// Let the mesh follow, before a step; true where it did.
     pub fn follow(&mut self) -> Result<bool, CouplerError> {
-        let wish = self
-            .follow
-            .as_mut()
-            .and_then(|f| f.wish(&self.state.grains));
-        let Some(sizes) = wish else { return Ok(false) };
-        let epoch = self.epoch() + 1;
-        self.adapt(epoch, &sizes)?;
+        let epoch = self.epoch();
+        let (Some(follow), Some(seat)) = (&mut self.follow, self.system.fluid()) else {
+            return Ok(false);
+        };
+        let Some(sizes) = follow.wish(&self.state, &seat.mesh, epoch) else {
+            return Ok(false);
+        };
+        self.adapt(epoch + 1, &sizes)?;
         Ok(true)
     }
 
@@ -79,7 +80,7 @@ where
         }
     }
 
-    /// Does the mesh follow the grains?
+    /// Does the mesh follow?
     pub fn follows(&self) -> bool {
         self.follow.is_some()
     }

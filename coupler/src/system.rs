@@ -107,13 +107,14 @@ where
         sizes: &Refinement,
         state: &mut State<D>,
     ) -> Result<(), CouplerError> {
+        let asked = (state.step + 1, epoch);
         let (fluid, immersion) = match self {
             System::Coupled(system) => (&mut system.engines.fluid, &mut system.immersion),
             System::OneWay(system) => (&mut system.fluid, &mut system.immersion),
-            System::FluidAlone(_) | System::Dry(_) => return Ok(()),
+            System::FluidAlone(system) => return system.adapt(asked, sizes, state),
+            System::Dry(_) => return Ok(()),
         };
-        let changed = fluid.adapt((state.step + 1, epoch), sizes)?;
-        match changed {
+        match fluid.adapt(asked, sizes)? {
             true => immersion.change_mesh(&fluid.mesh, state),
             false => Ok(()),
         }

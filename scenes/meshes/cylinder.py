@@ -69,3 +69,5 @@ def write(path, on_cylinder, behind, far):
 
 write("cylinder.msh", 0.0013, 0.005, 0.011)
 write("cylinder-coarse.msh", 0.004, 0.012, 0.025)
+# To refine from: the circle as round as that of the fine mesh, the channel coarse.
+write("cylinder-root.msh", 0.0013, 0.05, 0.05)

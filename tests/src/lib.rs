@@ -130,6 +130,7 @@ pub fn scene(
         grain_boundaries: None,
         grain_exits: Vec::new(),
         near_grains: None,
+        indicator: None,
         grains_file: None,
         scheme: Scheme::Iterated {
             tolerance: 1e-3,

@@ -26,6 +26,11 @@ where
         let volumes = self.corners.iter().map(simplex::determinant);
         simplex::cube_edge::<D>(volumes.fold(f64::INFINITY, f64::min))
     }
+    /// h of the largest cell.
+    pub fn largest_cell(&self) -> f64 {
+        let volumes = self.corners.iter().map(simplex::determinant);
+        simplex::cube_edge::<D>(volumes.fold(0.0, f64::max))
+    }
     /// h around each node \[m\]: the mean over its simplices.
     pub fn cell_of_nodes(&self) -> Vec<f64> {
         let mut sum = vec![(0.0, 0.0); self.nodal_mass.len()];

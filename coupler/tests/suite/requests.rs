@@ -162,6 +162,7 @@ fn scene(scheme: Scheme) -> CouplerScene {
         grain_boundaries: None,
         grain_exits: Vec::new(),
         near_grains: None,
+        indicator: None,
         grains_file: None,
         scheme,
         drag: DragLaw::Stokes,

@@ -6,6 +6,7 @@ use crate::check::Checker;
 use crate::grains::GrainTable;
 use crate::keys::{Fluid, Rectangle, RefinementKeys, SceneFile};
 use crate::memory;
+use crate::mesh_file::Mesh;
 
 const KEY: &str = "fluid.refinement";
 /// Margin of cells near grains that is left out, in cells.
@@ -37,6 +38,7 @@ impl RefinementKeys {
         let regions = self.regions.iter().map(Region::size);
         regions
             .chain(self.near_grains)
+            .chain(self.indicator.map(|indicator| indicator.smallest))
             .fold(f64::INFINITY, f64::min)
     }
 }
@@ -47,14 +49,23 @@ fn root(rectangle: &Rectangle) -> f64 {
     (edge(0) * edge(1)).sqrt()
 }
 
+/// H: edge of a square as large as two of the largest triangle of a mesh \[m\].
+fn root_of_mesh(mesh: &Mesh) -> f64 {
+    let area = |nodes: &[usize; 3]| {
+        let [a, b, c] = nodes.map(|node| mesh.position[node]);
+        ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs()
+    };
+    mesh.simplices.iter().map(area).fold(0.0, f64::max).sqrt()
+}
+
 /// Cells that are made where this size is asked for: H 2^(−k/2) \[m\].
 fn made(root: f64, asked: f64) -> f64 {
     let halvings = (2.0 * (root / asked).log2() - 1e-9).ceil().max(0.0);
     root * (-halvings / 2.0).exp2()
 }
 
-/// Refuse what no mesh can be made of.
-pub fn check(keys: &SceneFile, fluid: &Fluid, checker: &mut Checker<'_>) {
+/// Refuse what no mesh can be made of; `mesh` is that of the file, where there is one.
+pub fn check(keys: &SceneFile, fluid: &Fluid, mesh: Option<&Mesh>, checker: &mut Checker<'_>) {
     let Some(asked) = &fluid.refinement else {
         return;
     };
@@ -62,17 +73,27 @@ pub fn check(keys: &SceneFile, fluid: &Fluid, checker: &mut Checker<'_>) {
         checker.refuse(KEY, why);
         return;
     }
-    for (key, value) in [("near_grains", asked.near_grains), ("margin", asked.margin)] {
+    let indicator = asked.indicator;
+    for (key, value) in [
+        ("near_grains", asked.near_grains),
+        ("margin", asked.margin),
+        ("indicator.smallest", indicator.map(|of| of.smallest)),
+    ] {
         if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
             let key = format!("{KEY}.{key}");
             checker.refuse(&key, "must be a finite number greater than 0 m");
             return;
         }
     }
-    if asked.near_grains.is_none() && asked.regions.is_empty() {
+    if indicator.is_some_and(|of| !(of.jump > 0.0 && of.jump.is_finite())) {
+        let key = format!("{KEY}.indicator.jump");
+        checker.refuse(&key, "must be a finite number greater than 0");
+        return;
+    }
+    if asked.near_grains.is_none() && asked.regions.is_empty() && indicator.is_none() {
         checker.refuse(
             KEY,
-            "says nowhere how large cells are: write near_grains (m) or regions",
+            "says nowhere how large cells are: write near_grains (m), regions or indicator",
         );
     }
     if asked.near_grains.is_some() && keys.grains.is_empty() {
@@ -86,43 +107,45 @@ pub fn check(keys: &SceneFile, fluid: &Fluid, checker: &mut Checker<'_>) {
         let key = format!("{KEY}.margin");
         checker.refuse(&key, "is the margin of near_grains: leave it out");
     }
-    let Some(rectangle) = &fluid.domain.rectangle else {
-        checker.refuse(
-            KEY,
-            "a mesh that is read from a file is taken as it is: leave this table out, or write domain.rectangle",
-        );
-        return;
-    };
-    if rectangle.grading != [1.0, 1.0] {
+    let rectangle = fluid.domain.rectangle.as_ref();
+    if rectangle.is_some_and(|rectangle| rectangle.grading != [1.0, 1.0]) {
         checker.refuse(
             "fluid.domain.rectangle.grading",
             "a rectangle is refined from cells of one size: leave it out, or fluid.refinement",
         );
     }
-    if checker.problems.is_empty() {
-        check_sizes(asked, rectangle, checker);
+    let root = rectangle.map(root).or_else(|| mesh.map(root_of_mesh));
+    if let Some(root) = root.filter(|_| checker.problems.is_empty()) {
+        check_sizes(asked, (root, rectangle.is_some()), checker);
     }
 }
 
-fn check_sizes(asked: &RefinementKeys, rectangle: &Rectangle, checker: &mut Checker<'_>) {
-    let (root, smallest) = (root(rectangle), asked.smallest());
+fn check_sizes(asked: &RefinementKeys, (root, all_alike): (f64, bool), checker: &mut Checker<'_>) {
+    let smallest = asked.smallest();
+    let (cells, coarser) = match all_alike {
+        true => ("cells of the rectangle", "fewer cells"),
+        false => ("largest cells of the mesh", "a mesh of larger ones"),
+    };
     let sizes = asked.regions.iter().enumerate();
     let sizes = sizes.map(|(k, region)| (format!("{KEY}.regions[{k}]"), region.size()));
     let near = asked
         .near_grains
         .map(|size| (format!("{KEY}.near_grains"), size));
-    for (key, size) in sizes.chain(near) {
+    let flow = asked
+        .indicator
+        .map(|of| (format!("{KEY}.indicator.smallest"), of.smallest));
+    for (key, size) in sizes.chain(near).chain(flow) {
         if size > root {
             checker.refuse(
                 &key,
                 format!(
-                    "{size:e} m is larger than the cells of the rectangle, {root:.4e} m, which are only divided: \
-                     write a smaller size, or fewer cells"
+                    "{size:e} m is larger than the {cells}, {root:.4e} m, which are only divided: write a smaller size, \
+                     or {coarser}"
                 ),
             );
         }
         let made = made(root, size);
-        if made < 0.9 * size && size <= root {
+        if all_alike && made < 0.9 * size && size <= root {
             checker.warn(format!(
                 "{key} = {size:e} m makes cells of {made:.4e} m: sizes come in steps of 1/√2 from the cells of \
                  the rectangle, {root:.4e} m"

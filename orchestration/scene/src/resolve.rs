@@ -134,7 +134,7 @@ fn fluid_part(
             None => boundaries::check_mesh(&boundaries, checker),
         }
         mean_flow::check(keys, fluid, &boundaries, checker);
-        refinement::check(keys, fluid, checker);
+        refinement::check(keys, fluid, read.as_ref(), checker);
     }
     // Suspensions need the full grad-div term for local mass balance; around bodies in clear flow
     // it is too dissipative.
@@ -261,6 +261,10 @@ fn coupler_part(
             .fluid
             .as_ref()
             .and_then(|fluid| fluid.refinement.as_ref()?.near()),
+        indicator: keys
+            .fluid
+            .as_ref()
+            .and_then(|fluid| fluid.refinement.as_ref()?.indicator),
         grains_file: particles.is_some().then(|| GRAINS_FILE.to_string()),
         fluid,
         particles,

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use protocol::scene::{
-    Boundary, Convection, Diagonals, MeanFlow, Nonlinear, Region, TimeScheme, ViscousForm,
+    Boundary, Convection, Diagonals, Indicator, MeanFlow, Nonlinear, Region, TimeScheme,
+    ViscousForm,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -53,11 +54,11 @@ pub struct Fluid {
     /// vessel), or { velocity = […] } (m/s), the latter two steered by a uniform pressure gradient. Required
     /// where all sides are periodic and there is gravity.
     pub mean_flow: Option<MeanFlow<[f64; 2]>>,
-    /// Cells of other sizes than those of the rectangle, which are divided where that is asked for.
+    /// Cells of other sizes than those of the rectangle or mesh, which are divided where that is asked for.
     pub refinement: Option<RefinementKeys>,
 }
 
-/// Cells that are small near grains or in regions: h = min(largest, size + growth · distance).
+/// Cells that are small near grains, where the flow bends or in regions: h = min(largest, size + growth · distance).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(transform = refined_somewhere)]
@@ -76,6 +77,8 @@ pub struct RefinementKeys {
     /// Largest cells (m); left out: those of the rectangle.
     #[schemars(transform = positive)]
     pub largest: Option<f64>,
+    /// Cells where the flow bends, e.g. in shear layers and wakes: { jump, smallest (m) }; the mesh follows it.
+    pub indicator: Option<Indicator>,
     /// Places where cells are small: { ball = { centre, radius, size } } or { box = { lower, upper, size } } (m).
     #[serde(default)]
     pub regions: Vec<Region>,

@@ -67,7 +67,7 @@ pub fn exactly_one_of(keys: &'static [&'static str]) -> impl Transform {
 
 /// Somewhere cells are small, and a margin is one of grains.
 pub fn refined_somewhere(schema: &mut Schema) {
-    let somewhere = json!([{ "required": ["near_grains"] }, { "required": ["regions"] }]);
+    let somewhere = json!([{ "required": ["near_grains"] }, { "required": ["regions"] }, { "required": ["indicator"] }]);
     schema.insert("anyOf".into(), somewhere);
     schema.insert(
         "dependentRequired".into(),

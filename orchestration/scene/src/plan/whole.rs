@@ -6,8 +6,8 @@ use std::path::Path;
 use protocol::field::Field;
 use protocol::message::Role;
 use protocol::scene::{
-    Boundary, Convection, CouplerScene, FluidScene, Geometry, MeshSource, NearGrains, Nonlinear,
-    Scheme,
+    Boundary, Convection, CouplerScene, FluidScene, Geometry, Indicator, MeshSource, NearGrains,
+    Nonlinear, Scheme,
 };
 use serde::Serialize;
 
@@ -173,6 +173,12 @@ fn sizes(scene: &Scene) -> Vec<String> {
         }
         Some(MeshSource::File { path, .. }) => sizes.push(format!("fluid: mesh {path}")),
         None => {}
+    }
+    if let Some(Indicator { jump, smallest }) = scene.coupler.indicator {
+        sizes.push(format!(
+            "fluid: cells down to {smallest:.3e} m where ∇v changes from one to the next by more than {jump} of the \
+             largest speed over a cell; the mesh follows the flow (`nodes` and `epoch` of steps.csv)"
+        ));
     }
     if !scene.grains.is_empty() {
         let grains = &scene.grains;

@@ -364,6 +364,18 @@ fn sizes_that_no_mesh_can_have_are_refused() {
         ("near_grains = nan", ["near_grains", "must be"]),
         ("near_grains = 1e-3\ngrowth = nan", ["growth", "positive"]),
         (
+            "indicator = { jump = 0.1, smallest = 3e-3 }",
+            ["indicator.smallest", "larger than the cells"],
+        ),
+        (
+            "indicator = { jump = inf, smallest = 1e-3 }",
+            ["indicator.jump", "must be"],
+        ),
+        (
+            "indicator = { jump = 0.1, smallest = nan }",
+            ["indicator.smallest", "must be"],
+        ),
+        (
             "regions = [{ box = { lower = [1.0, 0.0], upper = [0.0, 0.0], size = 1e-3 } }]",
             ["regions[0]", "below lower"],
         ),
@@ -389,6 +401,23 @@ fn sizes_that_no_mesh_can_have_are_refused() {
             .warnings
             .iter()
             .any(|words| words.contains("makes cells of"))
+    );
+}
+
+#[test]
+fn a_mesh_that_is_read_is_refined_where_it_is_coarser_than_asked() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/cylinder.toml");
+    let text = std::fs::read_to_string(&path).expect("a scene");
+    let with = |size: &str| {
+        let setting = format!("fluid.refinement.indicator={{ jump = 0.1, smallest = {size} }}");
+        load(&path, &text, &[&setting], schema::takes).map(drop)
+    };
+    with("1e-3").unwrap_or_else(|error| panic!("{error}"));
+    let words = with("0.1").expect_err("refused").to_string();
+    println!("{words}");
+    assert_names(
+        &words,
+        &["largest cells of the mesh", "a mesh of larger ones"],
     );
 }
 

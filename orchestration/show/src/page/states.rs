@@ -86,7 +86,7 @@ impl Reader {
             density: number(&fluid["density"]),
             gravity: [0, 1].map(|axis| number(&scene["gravity"][axis])),
             open,
-            follows: !scene["near_grains"].is_null(),
+            follows: !scene["near_grains"].is_null() || !scene["indicator"].is_null(),
         }
     }
 

@@ -83,6 +83,17 @@ fn a_run_whose_mesh_follows_the_grains_goes_on_to_the_bit() {
     halves(&shipped("cloud.toml"), 30, &FOLLOWED);
 }
 
+/// A flow around a cylinder whose mesh follows it, from the triangles of a file.
+const BENT: [&str; 2] = [
+    "fluid.domain.mesh=meshes/cylinder-root.msh",
+    "fluid.refinement.indicator={ jump = 0.3, smallest = 2.6e-3 }",
+];
+
+#[test]
+fn a_run_whose_mesh_follows_the_flow_goes_on_to_the_bit() {
+    halves(&shipped("cylinder.toml"), 12, &BENT);
+}
+
 #[test]
 fn a_cloud_goes_on_from_every_step_to_the_bit() {
     let arguments = small_cloud(0.06);

@@ -33,6 +33,7 @@ pub fn begin(cells: usize) -> Begin {
         grain_boundaries: None,
         grain_exits: Vec::new(),
         near_grains: None,
+        indicator: None,
         grains_file: None,
         scheme: Scheme::Staggered,
         drag: DragLaw::Dallavalle,

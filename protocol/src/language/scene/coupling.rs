@@ -12,7 +12,7 @@ use super::boundary::GrainBoundary;
 use super::door::{dimension, fits};
 use super::fluid::FluidScene;
 use super::particles::ParticleScene;
-use super::refinement::NearGrains;
+use super::refinement::{Indicator, NearGrains};
 
 /// A grain is a point of the mesh up to this ratio of its diameter to the cells around it; a larger one is
 /// spread.
@@ -53,6 +53,9 @@ pub struct CouplerScene {
     /// Cells near grains, beside those of the fluid's refinement.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub near_grains: Option<NearGrains>,
+    /// Cells where the flow bends, beside them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub indicator: Option<Indicator>,
     /// CSV with the initial grains: x,y,radius,density,vx,vy,fixed; relative to the run folder.
     pub grains_file: Option<String>,
     /// Coupling scheme.

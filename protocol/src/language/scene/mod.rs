@@ -20,4 +20,4 @@ pub use door::fixed;
 pub use fluid::{Diagonals, FluidScene, MeshSource, Nonlinear, TimeScheme, ViscousForm};
 pub use mean_flow::MeanFlow;
 pub use particles::{ParticleScene, Wall};
-pub use refinement::{NearGrains, REGIONS_MAX, Refinement, Region};
+pub use refinement::{Indicator, NearGrains, REGIONS_MAX, Refinement, Region};

@@ -61,6 +61,19 @@ pub struct NearGrains {
     pub margin: f64,
 }
 
+/// Cells where the flow bends, which the coupler sees.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Indicator {
+    /// Change of ∇v from a cell to the next, times the size of a cell, over the largest speed: where it is more, cells
+    /// become smaller.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub jump: f64,
+    /// Smallest cells (m).
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub smallest: f64,
+}
+
 impl Region {
     /// Cells in it \[m\].
     pub fn size(&self) -> f64 {
