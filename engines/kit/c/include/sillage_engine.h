@@ -13,7 +13,7 @@
  *
  * Memory. Everything that the library hands to a function of the engine belongs to the library and
  * is valid until that function returns. What an engine hands to the library is copied before the
- * call returns (the mesh: when `configure` has returned).
+ * call returns (the mesh: when `configure` or `adapt` has returned, right after it).
  *
  * Errors. Functions return 0, or -1 with the reason in sillage_last_error(), which is kept for
  * each thread. Functions of the engine return 0, or what sillage_fail() returned.
@@ -122,7 +122,7 @@
 /*
  Version of this interface; compare with sillage_abi_version().
  */
-#define SILLAGE_ABI_VERSION 2
+#define SILLAGE_ABI_VERSION 3
 
 /*
  Fluid: the entrained fraction and the solid mobility are used, not only drag and source.
@@ -148,6 +148,16 @@
  Particles: every candidate has the spins.
  */
 #define SILLAGE_SPIN 4
+
+/*
+ Particles: remove() is there; a scene that grains may leave is refused without it.
+ */
+#define SILLAGE_REMOVES_GRAINS 5
+
+/*
+ Fluid: goes by `refinement` of its scene, and adapt() is there; such a scene is refused without it.
+ */
+#define SILLAGE_ADAPTS 6
 
 /*
  The scene's part is not usable (exit code 2).
@@ -258,6 +268,57 @@ typedef struct sillage_boundary {
 } sillage_boundary;
 
 /*
+ A place where cells are small: all that is within `radius` of the box from `lower` to `upper`. A ball
+ has its centre in both.
+ */
+typedef struct sillage_region {
+    /*
+     Lower corner (m), a vector.
+     */
+    const double *lower;
+    /*
+     Upper corner (m), a vector.
+     */
+    const double *upper;
+    /*
+     How far it reaches around the box (m).
+     */
+    double radius;
+    /*
+     Cells in it (m).
+     */
+    double size;
+} sillage_region;
+
+/*
+ How large cells are to be at x (m): h(x) is the smallest of `largest` and, for each region, of its
+ `size` + `growth` times the distance of x from it, along a period from its nearest image. All numbers are
+ in range.
+ */
+typedef struct sillage_sizes {
+    /*
+     Dimension of the space: a vector has as many numbers.
+     */
+    uint32_t dimension;
+    /*
+     Number of regions, at most 512.
+     */
+    uint32_t region_count;
+    /*
+     Regions.
+     */
+    const struct sillage_region *regions;
+    /*
+     By how much cells grow away from a region, in metres a metre.
+     */
+    double growth;
+    /*
+     Largest cells (m); INFINITY: those that the scene's mesh has.
+     */
+    double largest;
+} sillage_sizes;
+
+/*
  What a fluid engine is configured with. Vectors have `dimension` numbers.
  */
 typedef struct sillage_fluid_scene {
@@ -354,11 +415,17 @@ typedef struct sillage_fluid_scene {
      Metres of a unit of the file.
      */
     double mesh_scale;
+    /*
+     How large the cells of the first mesh are to be; NULL: as they stand here. Only where
+     SILLAGE_ADAPTS is declared.
+     */
+    const struct sillage_sizes *refinement;
 } sillage_fluid_scene;
 
 /*
- The mesh, to be filled by configure(): pointers to the engine's arrays, which must stay until it
- has returned. Every pointer is NULL before. d is the scene's dimension.
+ The mesh, to be filled by configure() and adapt(): pointers to the engine's arrays, which must outlive
+ the call and are copied right after it. Every pointer is NULL and every count 0 before. d is the
+ scene's dimension.
  */
 typedef struct sillage_mesh {
     /*
@@ -451,7 +518,7 @@ typedef struct sillage_fluid_report {
 /*
  The functions of a fluid engine. Each returns 0, or what sillage_fail() returned. `user` is what
  was given to sillage_run_fluid(). `save` and `restore` may be NULL where SILLAGE_CHECKPOINT is not
- declared; the others may not.
+ declared, `adapt` where SILLAGE_ADAPTS is not; the others may not.
  */
 typedef struct sillage_fluid_calls {
     /*
@@ -482,6 +549,16 @@ typedef struct sillage_fluid_calls {
      Read the accepted state from a file.
      */
     int32_t (*restore)(struct sillage_engine *engine, void *user, const char *path);
+    /*
+     Before a step: change to a mesh with cells of these sizes, in place of all asked for before, carry
+     the accepted state over to it, and fill it in as in configure(). The mesh must depend on the
+     sizes and the scene alone, not on the meshes before. A mesh that is left as it was given: the
+     engine keeps the one it has.
+     */
+    int32_t (*adapt)(struct sillage_engine *engine,
+                     void *user,
+                     const struct sillage_sizes *sizes,
+                     struct sillage_mesh *mesh);
 } sillage_fluid_calls;
 
 /*
@@ -540,8 +617,9 @@ typedef struct sillage_particle_scene {
 } sillage_particle_scene;
 
 /*
- The grains when a run begins. The engine may change the numbers, and lower `count` to run the
- first ones only; the arrays stay the library's.
+ The grains when a run begins, or those that are left when others have gone. The arrays stay the
+ library's. In configure() the engine may change the numbers, and lower `count` to run the first ones
+ only.
  */
 typedef struct sillage_grains {
     /*
@@ -591,7 +669,7 @@ typedef struct sillage_particle_report {
 /*
  The functions of a particle engine. Each returns 0, or what sillage_fail() returned. `user` is
  what was given to sillage_run_particles(). `save` and `restore` may be NULL where
- SILLAGE_CHECKPOINT is not declared; the others may not.
+ SILLAGE_CHECKPOINT is not declared, `remove` where SILLAGE_REMOVES_GRAINS is not; the others may not.
  */
 typedef struct sillage_particle_calls {
     /*
@@ -622,6 +700,16 @@ typedef struct sillage_particle_calls {
      Read the accepted state from a file.
      */
     int32_t (*restore)(struct sillage_engine *engine, void *user, const char *path);
+    /*
+     Before a step: take `gone_count` grains out of the accepted state, by their numbers in the present
+     order, ascending. The others keep their order; tell them in `left`, which has them already but for
+     their positions and velocities in the accepted state, which are NaN before.
+     */
+    int32_t (*remove)(struct sillage_engine *engine,
+                      void *user,
+                      const uint64_t *gone,
+                      uint64_t gone_count,
+                      struct sillage_grains *left);
 } sillage_particle_calls;
 
 #ifdef __cplusplus
@@ -692,7 +780,8 @@ void sillage_engine_free(struct sillage_engine *engine);
 
 /*
  Declare what the engine can do, before it runs: one of SILLAGE_AFFINE_RESPONSE,
- SILLAGE_IMPLICIT_DRAG, SILLAGE_CONTACT_STATE, SILLAGE_CHECKPOINT, SILLAGE_SPIN. Returns 0 or -1.
+ SILLAGE_IMPLICIT_DRAG, SILLAGE_CONTACT_STATE, SILLAGE_CHECKPOINT, SILLAGE_SPIN,
+ SILLAGE_REMOVES_GRAINS, SILLAGE_ADAPTS. Returns 0 or -1.
 
  # Safety
 

@@ -28,22 +28,21 @@ pub(crate) struct Border<'a> {
 }
 
 impl Border<'_> {
-    /// Take the seat and serve until the run is over; the exit code for the process.
+    /// Take the seat and serve until the run is over; the exit code for the process. `own` are functions of
+    /// this seat that must be there, and whether they are.
     pub(crate) fn run(
         &self,
         role: Role,
-        (configure, advance): (bool, bool),
+        own: &[(&str, bool)],
         serve: impl FnOnce(&RunSpace) -> Result<(), Error>,
     ) -> Result<i32, String> {
-        let checkpoint = self.this.capabilities().contains(&Capability::Checkpoint);
-        let given = [
-            ("configure", configure),
-            ("advance", advance),
+        let checkpoint = self.this.declares(Capability::Checkpoint);
+        let shared = [
             ("commit", self.commit.is_some()),
             ("save", self.save.is_some() || !checkpoint),
             ("restore", self.restore.is_some() || !checkpoint),
         ];
-        if let Some((name, _)) = given.iter().find(|(_, there)| !there) {
+        if let Some((name, _)) = own.iter().chain(&shared).find(|(_, there)| !there) {
             return Err(format!("calls.{name} is a null pointer"));
         }
         if !self.this.begin_run() {

@@ -1,7 +1,7 @@
 //! Numbers that both sides of the C interface know by name.
 
 /// Version of this interface; compare with sillage_abi_version().
-pub const SILLAGE_ABI_VERSION: u32 = 2;
+pub const SILLAGE_ABI_VERSION: u32 = 3;
 
 /// Fluid: the entrained fraction and the solid mobility are used, not only drag and source.
 pub const SILLAGE_AFFINE_RESPONSE: u32 = 0;
@@ -13,6 +13,10 @@ pub const SILLAGE_CONTACT_STATE: u32 = 2;
 pub const SILLAGE_CHECKPOINT: u32 = 3;
 /// Particles: every candidate has the spins.
 pub const SILLAGE_SPIN: u32 = 4;
+/// Particles: remove() is there; a scene that grains may leave is refused without it.
+pub const SILLAGE_REMOVES_GRAINS: u32 = 5;
+/// Fluid: goes by `refinement` of its scene, and adapt() is there; such a scene is refused without it.
+pub const SILLAGE_ADAPTS: u32 = 6;
 
 /// The scene's part is not usable (exit code 2).
 pub const SILLAGE_FAILURE_SCENE: u32 = 2;

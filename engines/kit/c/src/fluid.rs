@@ -6,13 +6,15 @@ use std::path::Path;
 use protocol::engine::{self, Computed, FluidEngine, MeshDescription, serve_fluid};
 use protocol::ipc::engine_link;
 use protocol::message::{Advance, Capability, Failure, Role};
-use protocol::{report, scene};
+use protocol::report;
+use protocol::scene::{self, Refinement};
 
 use crate::calls::{Border, missing};
 use crate::exchange::{Inputs, Outputs};
 use crate::handle::{Engine, Request, WRONG, guarded, handle};
 use crate::mesh::Mesh;
 use crate::scene::{FluidScene, View};
+use crate::sizes::{Sizes, SizesView};
 
 /// What a fluid engine tells of a candidate. All may be left as they are: not known.
 #[repr(C)]
@@ -45,7 +47,7 @@ impl FluidReport {
 
 /// The functions of a fluid engine. Each returns 0, or what sillage_fail() returned. `user` is what
 /// was given to sillage_run_fluid(). `save` and `restore` may be NULL where SILLAGE_CHECKPOINT is not
-/// declared; the others may not.
+/// declared, `adapt` where SILLAGE_ADAPTS is not; the others may not.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct FluidCalls {
@@ -79,6 +81,18 @@ pub struct FluidCalls {
     pub restore: Option<
         unsafe extern "C" fn(engine: *mut Engine, user: *mut c_void, path: *const c_char) -> i32,
     >,
+    /// Before a step: change to a mesh with cells of these sizes, in place of all asked for before, carry
+    /// the accepted state over to it, and fill it in as in configure(). The mesh must depend on the
+    /// sizes and the scene alone, not on the meshes before. A mesh that is left as it was given: the
+    /// engine keeps the one it has.
+    pub adapt: Option<
+        unsafe extern "C" fn(
+            engine: *mut Engine,
+            user: *mut c_void,
+            sizes: *const Sizes,
+            mesh: *mut Mesh,
+        ) -> i32,
+    >,
 }
 
 /// Take the fluid seat of the run that the environment names, serve the coupler until the run is
@@ -108,8 +122,13 @@ pub unsafe extern "C" fn sillage_run_fluid(
             save: calls.save,
             restore: calls.restore,
         };
-        let given = (calls.configure.is_some(), calls.advance.is_some());
-        border.run(Role::Fluid, given, |run| {
+        let adapts = this.declares(Capability::Adapts);
+        let own = [
+            ("configure", calls.configure.is_some()),
+            ("advance", calls.advance.is_some()),
+            ("adapt", calls.adapt.is_some() || !adapts),
+        ];
+        border.run(Role::Fluid, &own, |run| {
             let mut foreign = Foreign {
                 border,
                 calls,
@@ -147,6 +166,22 @@ impl FluidEngine for Foreign<'_> {
         self.dimension = scene.dimension;
         // SAFETY: the engine filled it in as the header asks.
         unsafe { mesh.description(scene.dimension) }
+    }
+
+    fn adapt(&mut self, sizes: &Refinement) -> Result<Option<MeshDescription>, Failure> {
+        let adapt = self.calls.adapt.ok_or_else(|| missing("adapt"))?;
+        let view = SizesView::of(sizes, self.dimension);
+        let mut mesh = Mesh::empty();
+        let (engine, user) = (self.border.engine, self.border.user);
+        self.border.this.call("adapt", || {
+            // SAFETY: the structures outlive the call and their arrays have the lengths they tell.
+            unsafe { adapt(engine, user, &raw const view.sizes, &raw mut mesh) }
+        })?;
+        if mesh.is_untouched() {
+            return Ok(None);
+        }
+        // SAFETY: the engine filled it in as the header asks.
+        unsafe { mesh.description(self.dimension) }.map(Some)
     }
 
     fn advance(

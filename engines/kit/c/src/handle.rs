@@ -8,9 +8,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
 
 use crate::constants::{
-    SILLAGE_ABI_VERSION, SILLAGE_AFFINE_RESPONSE, SILLAGE_CHECKPOINT, SILLAGE_CONTACT_STATE,
-    SILLAGE_FAILURE_ENGINE, SILLAGE_FAILURE_NOT_CONVERGED, SILLAGE_FAILURE_NOT_FINITE,
-    SILLAGE_FAILURE_SCENE, SILLAGE_IMPLICIT_DRAG, SILLAGE_SPIN,
+    SILLAGE_ABI_VERSION, SILLAGE_ADAPTS, SILLAGE_AFFINE_RESPONSE, SILLAGE_CHECKPOINT,
+    SILLAGE_CONTACT_STATE, SILLAGE_FAILURE_ENGINE, SILLAGE_FAILURE_NOT_CONVERGED,
+    SILLAGE_FAILURE_NOT_FINITE, SILLAGE_FAILURE_SCENE, SILLAGE_IMPLICIT_DRAG,
+    SILLAGE_REMOVES_GRAINS, SILLAGE_SPIN,
 };
 
 /// Returned when something went wrong; why is in the last error.
@@ -130,6 +131,10 @@ impl Engine {
         self.state().capabilities.clone()
     }
 
+    pub(crate) fn declares(&self, capability: Capability) -> bool {
+        self.state().capabilities.contains(&capability)
+    }
+
     /// One run at a time; `false` when there is one.
     pub(crate) fn begin_run(&self) -> bool {
         !std::mem::replace(&mut self.state().running, true)
@@ -213,7 +218,8 @@ pub unsafe extern "C" fn sillage_engine_free(engine: *mut Engine) {
 }
 
 /// Declare what the engine can do, before it runs: one of SILLAGE_AFFINE_RESPONSE,
-/// SILLAGE_IMPLICIT_DRAG, SILLAGE_CONTACT_STATE, SILLAGE_CHECKPOINT, SILLAGE_SPIN. Returns 0 or -1.
+/// SILLAGE_IMPLICIT_DRAG, SILLAGE_CONTACT_STATE, SILLAGE_CHECKPOINT, SILLAGE_SPIN,
+/// SILLAGE_REMOVES_GRAINS, SILLAGE_ADAPTS. Returns 0 or -1.
 ///
 /// # Safety
 ///
@@ -229,7 +235,9 @@ pub unsafe extern "C" fn sillage_engine_declare(engine: *mut Engine, capability:
             SILLAGE_CONTACT_STATE => Capability::ContactState,
             SILLAGE_CHECKPOINT => Capability::Checkpoint,
             SILLAGE_SPIN => Capability::Spin,
-            other => return Err(format!("capability {other} is not known, 0 to 4 are")),
+            SILLAGE_REMOVES_GRAINS => Capability::RemovesGrains,
+            SILLAGE_ADAPTS => Capability::Adapts,
+            other => return Err(format!("capability {other} is not known, 0 to 6 are")),
         };
         let mut state = engine.state();
         if !state.capabilities.contains(&capability) {

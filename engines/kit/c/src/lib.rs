@@ -7,7 +7,7 @@
 //! | `constants` | version of the interface, capabilities, kinds of failure |
 //! | `calls` | what both seats do the same way |
 //! | `exchange` | the fields of a candidate, and how an engine gets at them |
-//! | `scene`, `mesh` | what a fluid engine is configured with, and what it answers |
+//! | `scene`, `sizes`, `mesh` | what a fluid engine is configured with and asked for, and what it answers |
 //! | `particles`, `fluid` | the two seats: what crosses the border, and the engine behind it |
 //!
 //! Nothing unwinds into C: every entry point catches panics and turns them into an error.
@@ -20,6 +20,7 @@ mod handle;
 mod mesh;
 mod particles;
 mod scene;
+mod sizes;
 
 pub use constants::*;
 pub use exchange::{Inputs, Outputs, sillage_input, sillage_output};
@@ -35,3 +36,4 @@ pub use scene::{
     SILLAGE_INFLOW_UNIFORM, SILLAGE_NO_SLIP, SILLAGE_OPEN, SILLAGE_PERIODIC, SILLAGE_SLIP,
     SILLAGE_STEADY,
 };
+pub use sizes::{Region, Sizes};

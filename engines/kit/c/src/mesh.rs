@@ -3,8 +3,9 @@
 use protocol::engine::{FacetDescription, MeshDescription};
 use protocol::message::{Failure, FailureKind};
 
-/// The mesh, to be filled by configure(): pointers to the engine's arrays, which must stay until it
-/// has returned. Every pointer is NULL before. d is the scene's dimension.
+/// The mesh, to be filled by configure() and adapt(): pointers to the engine's arrays, which must outlive
+/// the call and are copied right after it. Every pointer is NULL and every count 0 before. d is the
+/// scene's dimension.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Mesh {
@@ -39,6 +40,25 @@ unsafe fn copied<T: Copy>(from: *const T, count: usize) -> Option<Vec<T>> {
     (!from.is_null()).then(|| unsafe { std::slice::from_raw_parts(from, count) }.to_vec())
 }
 
+/// The numbers of an array, all finite.
+///
+/// # Safety
+///
+/// `from` is null or points to `count` numbers.
+unsafe fn finite(name: &str, from: *const f64, count: usize) -> Result<Option<Vec<f64>>, Failure> {
+    // SAFETY: as the caller promises.
+    let numbers = unsafe { copied(from, count) };
+    let odd = |number: &f64| !number.is_finite();
+    match numbers.as_deref().and_then(|all| all.iter().position(odd)) {
+        None => Ok(numbers),
+        Some(place) => {
+            let number = numbers.map_or(f64::NAN, |numbers| numbers[place]);
+            let why = format!("mesh.{name}[{place}] is {number}, must be finite");
+            Err(Failure::new(FailureKind::NotFinite, why))
+        }
+    }
+}
+
 impl Mesh {
     /// Nothing yet.
     pub(crate) fn empty() -> Mesh {
@@ -51,6 +71,18 @@ impl Mesh {
             nodal_mass: std::ptr::null(),
             period: std::ptr::null(),
         }
+    }
+
+    /// Is it as it was given?
+    pub(crate) fn is_untouched(&self) -> bool {
+        let arrays = [
+            self.node_position,
+            self.simplex_position,
+            self.nodal_mass,
+            self.period,
+        ];
+        let none = arrays.iter().all(|array| array.is_null()) && self.simplex_nodes.is_null();
+        none && (self.node_count, self.simplex_count) == (0, 0)
     }
 
     /// A copy of what the engine filled in, with what it left to us; the coupler checks the rest.
@@ -70,11 +102,15 @@ impl Mesh {
         // SAFETY: as the caller promises.
         let (position, corners, unwrapped, mass, period) = unsafe {
             (
-                copied(self.node_position, d * nodes),
+                finite("node_position", self.node_position, d * nodes)?,
                 copied(self.simplex_nodes, (d + 1) * simplices),
-                copied(self.simplex_position, d * (d + 1) * simplices),
-                copied(self.nodal_mass, nodes),
-                copied(self.period, d),
+                finite(
+                    "simplex_position",
+                    self.simplex_position,
+                    d * (d + 1) * simplices,
+                )?,
+                finite("nodal_mass", self.nodal_mass, nodes)?,
+                finite("period", self.period, d)?,
             )
         };
         let node_position = position.ok_or_else(|| broken("mesh.node_position was left NULL"))?;
@@ -100,6 +136,12 @@ impl Mesh {
             node_position,
             facets: FacetDescription::default(),
         };
+        if let Some(turned) = (0..simplices).find(|&simplex| mesh.measure(simplex) <= 0.0) {
+            return Err(broken(format!(
+                "simplex {turned} has measure {:e} m^{d}: its corners must be positively oriented (in the plane counter-clockwise)",
+                mesh.measure(turned)
+            )));
+        }
         if self.nodal_mass.is_null() {
             mesh.nodal_mass = equal_shares(&mesh, nodes);
         }

@@ -4,6 +4,7 @@ use std::ffi::{c_char, c_void};
 use std::path::Path;
 
 use protocol::engine::{self, Computed, InitialGrains, ParticleEngine, serve_particles};
+use protocol::field::Field;
 use protocol::ipc::engine_link;
 use protocol::message::{Advance, Capability, Failure, FailureKind, Role};
 use protocol::{report, scene};
@@ -43,8 +44,9 @@ pub struct ParticleScene {
     pub sub_steps_max: u32,
 }
 
-/// The grains when a run begins. The engine may change the numbers, and lower `count` to run the
-/// first ones only; the arrays stay the library's.
+/// The grains when a run begins, or those that are left when others have gone. The arrays stay the
+/// library's. In configure() the engine may change the numbers, and lower `count` to run the first ones
+/// only.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Grains {
@@ -62,6 +64,21 @@ pub struct Grains {
     pub volume: *mut f64,
     /// 1 for a grain that never moves, else 0.
     pub fixed: *mut f64,
+}
+
+impl Grains {
+    /// Valid as long as `grains` are and keep their numbers where they are.
+    fn of(grains: &mut InitialGrains) -> Grains {
+        Grains {
+            count: grains.count() as u64,
+            position: grains.position.as_mut_ptr(),
+            velocity: grains.velocity.as_mut_ptr(),
+            radius: grains.radius.as_mut_ptr(),
+            mass: grains.mass.as_mut_ptr(),
+            volume: grains.volume.as_mut_ptr(),
+            fixed: grains.fixed.as_mut_ptr(),
+        }
+    }
 }
 
 /// What a particle engine tells of a candidate.
@@ -94,7 +111,7 @@ impl ParticleReport {
 
 /// The functions of a particle engine. Each returns 0, or what sillage_fail() returned. `user` is
 /// what was given to sillage_run_particles(). `save` and `restore` may be NULL where
-/// SILLAGE_CHECKPOINT is not declared; the others may not.
+/// SILLAGE_CHECKPOINT is not declared, `remove` where SILLAGE_REMOVES_GRAINS is not; the others may not.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct ParticleCalls {
@@ -128,6 +145,18 @@ pub struct ParticleCalls {
     pub restore: Option<
         unsafe extern "C" fn(engine: *mut Engine, user: *mut c_void, path: *const c_char) -> i32,
     >,
+    /// Before a step: take `gone_count` grains out of the accepted state, by their numbers in the present
+    /// order, ascending. The others keep their order; tell them in `left`, which has them already but for
+    /// their positions and velocities in the accepted state, which are NaN before.
+    pub remove: Option<
+        unsafe extern "C" fn(
+            engine: *mut Engine,
+            user: *mut c_void,
+            gone: *const u64,
+            gone_count: u64,
+            left: *mut Grains,
+        ) -> i32,
+    >,
 }
 
 /// Take the particle seat of the run that the environment names, serve the coupler until the run is
@@ -157,12 +186,18 @@ pub unsafe extern "C" fn sillage_run_particles(
             save: calls.save,
             restore: calls.restore,
         };
-        let given = (calls.configure.is_some(), calls.advance.is_some());
-        border.run(Role::Particles, given, |run| {
+        let removes = this.declares(Capability::RemovesGrains);
+        let own = [
+            ("configure", calls.configure.is_some()),
+            ("advance", calls.advance.is_some()),
+            ("remove", calls.remove.is_some() || !removes),
+        ];
+        border.run(Role::Particles, &own, |run| {
             let mut foreign = Foreign {
                 border,
                 calls,
                 dimension: 0,
+                grains: InitialGrains::default(),
             };
             serve_particles(&mut foreign, engine_link(run, Role::Particles)?)
         })
@@ -174,6 +209,8 @@ struct Foreign<'a> {
     border: Border<'a>,
     calls: ParticleCalls,
     dimension: usize,
+    /// As they were told last.
+    grains: InitialGrains,
 }
 
 impl ParticleEngine for Foreign<'_> {
@@ -209,16 +246,8 @@ impl ParticleEngine for Foreign<'_> {
             sweeps_max: scene.sweeps_max as u64,
             sub_steps_max: scene.sub_steps_max,
         };
-        let given = grains.radius.len();
-        let mut view = Grains {
-            count: given as u64,
-            position: grains.position.as_mut_ptr(),
-            velocity: grains.velocity.as_mut_ptr(),
-            radius: grains.radius.as_mut_ptr(),
-            mass: grains.mass.as_mut_ptr(),
-            volume: grains.volume.as_mut_ptr(),
-            fixed: grains.fixed.as_mut_ptr(),
-        };
+        let given = grains.count();
+        let mut view = Grains::of(&mut grains);
         let (engine, user) = (self.border.engine, self.border.user);
         self.border.this.call("configure", || {
             // SAFETY: the structures outlive the call and their arrays have the lengths they tell.
@@ -240,6 +269,7 @@ impl ParticleEngine for Foreign<'_> {
         ] {
             scalar.truncate(kept);
         }
+        self.grains.clone_from(&grains);
         Ok(grains)
     }
 
@@ -284,5 +314,45 @@ impl ParticleEngine for Foreign<'_> {
 
     fn restore(&mut self, path: &Path) -> Result<(), Failure> {
         self.border.restore(path)
+    }
+
+    fn remove(&mut self, gone: &[usize]) -> Result<InitialGrains, Failure> {
+        let remove = self.calls.remove.ok_or_else(|| missing("remove"))?;
+        let mut left = self.grains.without(gone);
+        for told in [&mut left.position, &mut left.velocity] {
+            told.fill(f64::NAN);
+        }
+        let gone: Vec<u64> = gone.iter().map(|&grain| grain as u64).collect();
+        let mut view = Grains::of(&mut left);
+        let (engine, user) = (self.border.engine, self.border.user);
+        self.border.this.call("remove", || {
+            // SAFETY: the structures outlive the call and their arrays have the lengths they tell.
+            unsafe {
+                let count = gone.len() as u64;
+                remove(engine, user, gone.as_ptr(), count, &raw mut view)
+            }
+        })?;
+        if view.count != left.count() as u64 {
+            let (told, count) = (view.count, left.count());
+            let why = format!("remove set {told} grains, {count} are left");
+            return Err(Failure::new(FailureKind::Engine, why));
+        }
+        for (field, numbers) in left.slices() {
+            require_told(field, numbers, self.dimension)?;
+        }
+        self.grains.clone_from(&left);
+        Ok(left)
+    }
+}
+
+/// A number of a grain that is left and was not told.
+fn require_told(field: Field, numbers: &[f64], dimension: usize) -> Result<(), Failure> {
+    match numbers.iter().position(|number| !number.is_finite()) {
+        None => Ok(()),
+        Some(place) => {
+            let (name, grain) = (field.name(), place / field.components(dimension));
+            let why = format!("remove left {name} of grain {grain} at {}", numbers[place]);
+            Err(Failure::new(FailureKind::NotFinite, why))
+        }
     }
 }

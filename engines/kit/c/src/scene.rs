@@ -6,6 +6,8 @@ use protocol::scene::{
     self, Convection, Diagonals, MeshSource, Nonlinear, Profile, TimeScheme, ViscousForm,
 };
 
+use crate::sizes::{Sizes, SizesView};
+
 /// Boundary: u = 0.
 pub const SILLAGE_NO_SLIP: u32 = 0;
 /// Boundary: u.n = 0, no tangential traction.
@@ -94,6 +96,9 @@ pub struct FluidScene {
     pub mesh_surfaces: *const *const c_char,
     /// Metres of a unit of the file.
     pub mesh_scale: f64,
+    /// How large the cells of the first mesh are to be; NULL: as they stand here. Only where
+    /// SILLAGE_ADAPTS is declared.
+    pub refinement: *const Sizes,
 }
 
 /// A scene for C, with what its pointers point to.
@@ -104,6 +109,7 @@ pub(crate) struct View {
     _file: Option<CString>,
     _surfaces: (Vec<CString>, Vec<*const c_char>),
     _cells: Vec<u64>,
+    _refinement: Vec<SizesView>,
 }
 
 impl View {
@@ -128,7 +134,15 @@ impl View {
             cells.iter().map(|&cells| cells as u64).collect()
         });
         let surfaces = surfaces(&scene.mesh);
+        let refinement: Vec<SizesView> = scene
+            .refinement
+            .iter()
+            .map(|sizes| SizesView::of(sizes, scene.dimension))
+            .collect();
         let mut view = plain(scene);
+        view.refinement = refinement
+            .first()
+            .map_or(std::ptr::null(), |view| &raw const view.sizes);
         (view.mesh_surface_count, view.mesh_surfaces) =
             (surfaces.1.len() as u32, surfaces.1.as_ptr());
         (view.boundary_count, view.boundaries) = (boundaries.len() as u32, boundaries.as_ptr());
@@ -145,6 +159,7 @@ impl View {
             _file: file,
             _surfaces: surfaces,
             _cells: cells,
+            _refinement: refinement,
         }
     }
 }
@@ -189,6 +204,7 @@ fn plain(scene: &scene::FluidScene) -> FluidScene {
             MeshSource::File { scale, .. } => scale,
             MeshSource::Rectangle { .. } => 1.0,
         },
+        refinement: std::ptr::null(),
     }
 }
 

@@ -24,6 +24,36 @@ static int32_t nothing(sillage_engine *engine, void *user)
     return 0;
 }
 
+static int32_t configure(sillage_engine *engine, void *user, const sillage_particle_scene *scene,
+                         sillage_grains *grains)
+{
+    (void)engine, (void)user, (void)scene, (void)grains;
+    return 0;
+}
+
+static int32_t configure_fluid(sillage_engine *engine, void *user, const sillage_fluid_scene *scene,
+                               sillage_mesh *mesh)
+{
+    (void)engine, (void)user, (void)scene, (void)mesh;
+    return 0;
+}
+
+static int32_t advance(sillage_engine *engine, void *user, const sillage_request *request,
+                       const sillage_inputs *inputs, const sillage_outputs *outputs,
+                       sillage_particle_report *report)
+{
+    (void)engine, (void)user, (void)request, (void)inputs, (void)outputs, (void)report;
+    return 0;
+}
+
+static int32_t advance_fluid(sillage_engine *engine, void *user, const sillage_request *request,
+                             const sillage_inputs *inputs, const sillage_outputs *outputs,
+                             sillage_fluid_report *report)
+{
+    (void)engine, (void)user, (void)request, (void)inputs, (void)outputs, (void)report;
+    return 0;
+}
+
 static void *other_thread(void *unused)
 {
     (void)unused;
@@ -55,6 +85,19 @@ int main(void)
     sillage_fluid_calls fluid = {0};
     fluid.commit = nothing;
     must(sillage_run_fluid(engine, &fluid, NULL) == -1 && says("calls.configure"), "no function");
+    fluid.configure = configure_fluid;
+    must(sillage_run_fluid(engine, &fluid, NULL) == -1 && says("calls.advance"), "no advance");
+    fluid.advance = advance_fluid;
+    must(sillage_run_fluid(engine, &fluid, NULL) == -1 && says("calls.save"), "no save");
+    sillage_engine_free(engine);
+    engine = sillage_engine_new("misuse", "1");
+    must(sillage_engine_declare(engine, SILLAGE_ADAPTS) == 0, "declared");
+    must(sillage_run_fluid(engine, &fluid, NULL) == -1 && says("calls.adapt"), "no adapt");
+    sillage_engine_free(engine);
+    engine = sillage_engine_new("misuse", "1");
+    must(sillage_engine_declare(engine, SILLAGE_REMOVES_GRAINS) == 0, "declared");
+    calls.configure = configure, calls.advance = advance, calls.commit = nothing;
+    must(sillage_run_particles(engine, &calls, NULL) == -1 && says("calls.remove"), "no remove");
     sillage_engine_free(engine);
     sillage_engine_free(NULL);
     printf("%d wrong\n", wrong);

@@ -93,7 +93,7 @@ fn compile_with(more: &[&str], source: &str, program: &Path) -> Output {
         .arg(kit().join(source))
         .arg("-L")
         .arg(library())
-        .args(["-lsillage_engine", "-lpthread"])
+        .args(["-lsillage_engine", "-lpthread", "-lm"])
         .arg(format!("-Wl,-rpath,{}", library().display()))
         .arg("-o")
         .arg(program)
