@@ -84,9 +84,21 @@ impl<const D: usize> Layer<D> {
         self.asked.concat()
     }
 
-    /// The zone as at most so many boxes.
-    pub fn zone(&self, most: usize) -> Vec<Region> {
-        self.regions(self.around(&self.asked, self.rule.outer), most)
+    /// The zone as few boxes, of a lattice that is this often coarser by two.
+    pub fn zone(&self, coarser: u32) -> Vec<Region> {
+        let cells = self.around(&self.asked, self.rule.outer);
+        let coarse = cells.iter().map(|cell| cell.map(|k| k >> coarser));
+        let corner = |cell: Cell<D>| -> Vec<f64> {
+            let along = |d: usize| (cell[d] << coarser) as f64 * self.edge[d];
+            (0..D).map(along).collect()
+        };
+        let region = |[low, high]: [Cell<D>; 2]| Region::Box {
+            lower: corner(low),
+            upper: corner(high),
+            size: self.size,
+        };
+        let boxes = merged(sorted(coarse.collect()));
+        boxes.into_iter().map(region).collect()
     }
 
     /// Cells that a ball touches, added to `cells`.
@@ -128,28 +140,6 @@ impl<const D: usize> Layer<D> {
                 offset[before] = -reach[before];
             }
         }
-    }
-
-    /// The cells as few boxes: of a coarser lattice where they are too many.
-    fn regions(&self, mut cells: Vec<Cell<D>>, most: usize) -> Vec<Region> {
-        let mut scale = 1;
-        let mut boxes = merged(cells.clone());
-        while boxes.len() > most {
-            scale *= 2;
-            let coarser = cells.iter().map(|cell| cell.map(|k| k.div_euclid(2)));
-            cells = sorted(coarser.collect());
-            boxes = merged(cells.clone());
-        }
-        let corner = |cell: Cell<D>| -> Vec<f64> {
-            let along = |d: usize| (cell[d] * scale) as f64 * self.edge[d];
-            (0..D).map(along).collect()
-        };
-        let region = |[low, high]: [Cell<D>; 2]| Region::Box {
-            lower: corner(low),
-            upper: corner(high),
-            size: self.size,
-        };
-        boxes.into_iter().map(region).collect()
     }
 }
 

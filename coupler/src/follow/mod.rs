@@ -11,7 +11,7 @@
 pub mod indicator;
 pub mod layer;
 
-use protocol::scene::{self, NearGrains, REGIONS_MAX, Refinement};
+use protocol::scene::{self, NearGrains, REGIONS_MAX, Refinement, Region};
 use serde::{Deserialize, Serialize};
 use space::{Dim, Dimension, Period};
 
@@ -39,6 +39,9 @@ const EDGE: f64 = 4.0;
 /// Layers are of sizes that halves make in the plane, so √2 apart: a wish is for the next one, and urgent where it is
 /// for that one or a smaller one.
 const APART: f64 = std::f64::consts::SQRT_2;
+
+/// All cells of a lattice that is so often coarser by two are a few around the origin.
+const COARSEST: u32 = 42;
 
 /// What the mesh has been asked for, kept in checkpoints.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -143,11 +146,27 @@ where
             .for_each(|(layer, cells)| layer.ask(cells));
         let mut sizes = self.sizes.clone();
         let most = REGIONS_MAX - sizes.regions.len().min(REGIONS_MAX);
-        let most = most / self.layers().count().max(1);
+        sizes.regions.extend(self.zones(most));
         sizes
-            .regions
-            .extend(self.layers().flat_map(|layer| layer.zone(most)));
-        sizes
+    }
+
+    /// The zones of all layers as boxes; where they are more than `most`, that of the most is made of a coarser lattice,
+    /// again and again.
+    fn zones(&self, most: usize) -> Vec<Region> {
+        let layers: Vec<&Layer<D>> = self.layers().collect();
+        let mut zones: Vec<_> = layers.iter().map(|layer| (0, layer.zone(0))).collect();
+        while zones.iter().map(|(_, zone)| zone.len()).sum::<usize>() > most {
+            let counts = zones.iter().map(|(_, zone)| zone.len()).enumerate();
+            let Some((number, _)) = counts.max_by_key(|(_, count)| *count) else {
+                break;
+            };
+            if zones[number].0 == COARSEST {
+                break;
+            }
+            let coarser = zones[number].0 + 1;
+            zones[number] = (coarser, layers[number].zone(coarser));
+        }
+        zones.into_iter().flat_map(|(_, zone)| zone).collect()
     }
 }
 
@@ -216,8 +235,6 @@ fn around_grains<const D: usize>(layer: &Layer<D>, grains: &Grains<D>) -> Vec<Ce
 #[cfg(test)]
 mod tests {
     use space::Vector;
-
-    use protocol::scene::Region;
 
     use super::*;
 

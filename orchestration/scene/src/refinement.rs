@@ -1,6 +1,6 @@
 //! How large cells are: what a scene asks for, and about how many nodes that makes.
 
-use protocol::scene::{CouplerScene, MeshSource, NearGrains, Refinement, Region};
+use protocol::scene::{CouplerScene, MeshSource, NearGrains, REGIONS_MAX, Refinement, Region};
 
 use crate::check::Checker;
 use crate::grains::GrainTable;
@@ -94,6 +94,16 @@ pub fn check(keys: &SceneFile, fluid: &Fluid, mesh: Option<&Mesh>, checker: &mut
         checker.refuse(
             KEY,
             "says nowhere how large cells are: write near_grains (m), regions or indicator",
+        );
+    }
+    let follows = asked.near_grains.is_some() || indicator.is_some();
+    if follows && asked.regions.len() > REGIONS_MAX / 2 {
+        let (count, most) = (asked.regions.len(), REGIONS_MAX / 2);
+        checker.refuse(
+            &format!("{KEY}.regions"),
+            format!(
+                "are {count}: beside near_grains or indicator, whose places are as many, at most {most} are possible"
+            ),
         );
     }
     if asked.near_grains.is_some() && keys.grains.is_empty() {
