@@ -52,3 +52,8 @@ study-pictures:
     cp runs/study-cloud-ga10-time/convergence.png docs/pictures/study-cloud-ga10-time.png
     cp runs/study-contact/cost.png docs/pictures/study-contact.png
     cp runs/study-exchange/convergence.png docs/pictures/study-exchange.png
+
+# The first picture of the README.
+cloud-picture:
+    ./sillage run scenes/cloud.toml --out runs/cloud
+    cp runs/cloud/overview.png docs/pictures/cloud.png

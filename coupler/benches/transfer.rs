@@ -1,6 +1,6 @@
 //! What the coupler itself costs in a step: placing, depositing and sampling grains.
 //!
-//! `cargo bench -p coupler`: 10 000 grains on the mesh of `scenes/cloud.toml` (80 × 240 cells).
+//! `cargo bench -p coupler`: 10 000 grains on the mesh of `scenes/cloud-uniform.toml` (80 × 240 cells).
 
 #![allow(missing_docs, reason = "criterion's macro makes a public function")]
 

@@ -1,4 +1,4 @@
-//! Assembly, factor and solve at 80 × 240 cells, the mesh of the showcase cloud.
+//! Assembly, factor and solve at 80 × 240 cells, the mesh of `scenes/cloud-uniform.toml`.
 
 #![allow(missing_docs, reason = "criterion's macro makes a public function")]
 

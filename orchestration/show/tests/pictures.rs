@@ -159,7 +159,7 @@ fn place(name: &str) -> (Option<tempfile::TempDir>, PathBuf) {
 
 #[test]
 fn a_run_folder_holds_everything_that_is_promised() {
-    let scene = scene("cloud", &[]);
+    let scene = scene("cloud-uniform", &[]);
     let (_kept, path) = place("cloud");
     let folder = write(&scene, &path, 5);
     let ending = Ending {

@@ -85,7 +85,7 @@ pub fn beside_programs(place: &Path) -> PathBuf {
 pub fn small_cloud(end_time: f64) -> Vec<String> {
     let mut arguments = vec![
         root()
-            .join("scenes/cloud.toml")
+            .join("scenes/cloud-uniform.toml")
             .to_string_lossy()
             .into_owned(),
     ];

@@ -86,7 +86,11 @@ fn rows_sum_to_the_totals_and_phases_to_the_time_of_the_fluid() {
 #[ignore = "a measurement, two minutes"]
 fn what_the_coupler_computes_takes_a_small_part_of_a_run() {
     println!("scene              steps   CPU of the coupler, of fluid and particles [s]   share");
-    for (scene, end_time) in [("cloud", 0.55), ("fluidised-bed", 0.5)] {
+    for (scene, end_time) in [
+        ("cloud", 0.55),
+        ("cloud-uniform", 0.55),
+        ("fluidised-bed", 0.5),
+    ] {
         let path = root().join("scenes").join(scene).with_extension("toml");
         let mut arguments = vec![path.to_string_lossy().into_owned()];
         arguments.extend(["--set".to_owned(), format!("run.end_time={end_time}")]);

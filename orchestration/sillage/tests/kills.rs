@@ -9,7 +9,7 @@ use nix::sys::signal::{Signal, kill};
 use nix::sys::wait::{WaitStatus, waitpid};
 use nix::unistd::Pid;
 
-use crate::background::{Run, Schedule, is_alive, report, root, shared_memory_of, small_cloud};
+use crate::background::{Run, Schedule, is_alive, report, shared_memory_of, small_cloud};
 
 /// Longest time between a death and the end of everybody else.
 const LEAVING_MAX: Duration = Duration::from_secs(2);
@@ -154,10 +154,6 @@ impl Aftermath {
 /// somebody else, is killed.
 fn busy_cloud() -> Vec<String> {
     let mut arguments = small_cloud(100.0);
-    arguments[0] = root()
-        .join("scenes/cloud.toml")
-        .to_string_lossy()
-        .into_owned();
     arguments.extend([
         "--set".to_string(),
         "fluid.domain.rectangle.cells=[120, 360]".to_string(),

@@ -13,7 +13,14 @@ const BOUND: f64 = 1e-3;
 fn small(name: &str) -> (u64, &'static [&'static str]) {
     match name {
         "cavity" => (10, &["fluid.domain.rectangle.cells=[16, 16]"]),
-        "cloud" | "cloud-12um" => (
+        "cloud" => (
+            8,
+            &[
+                "fluid.refinement.near_grains=1.236e-3",
+                "grains[0].radius=1e-4",
+            ],
+        ),
+        "cloud-uniform" | "cloud-12um" => (
             8,
             &[
                 "fluid.domain.rectangle.cells=[20, 60]",

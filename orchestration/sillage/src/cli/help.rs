@@ -14,7 +14,7 @@ Exit codes:
 pub const EXAMPLES: &str = "\
 Examples:
   sillage run scenes/cloud.toml
-  sillage run scenes/cloud.toml --out runs/coarse --set fluid.domain.rectangle.cells=[40,120]
+  sillage run scenes/cloud.toml --out runs/coarse --set fluid.refinement.near_grains=1.236e-3
   sillage resume runs/coarse
   sillage check scenes/cloud.toml
   sillage plan scenes/cloud.toml --out by-hand

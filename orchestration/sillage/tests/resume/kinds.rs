@@ -69,8 +69,7 @@ fn a_run_that_grains_have_left_goes_on_to_the_bit() {
 }
 
 /// A cloud whose mesh follows it: an epoch every few steps.
-pub const FOLLOWED: [&str; 6] = [
-    "fluid.domain.rectangle.cells=[15, 45]",
+pub const FOLLOWED: [&str; 5] = [
     "fluid.refinement.near_grains=1.2e-3",
     "fluid.refinement.margin=4e-4",
     "grains[0].radius=1.5e-4",
