@@ -10,7 +10,7 @@ use protocol::message::Role;
 use protocol::partner::Partner;
 use protocol::scene::{
     Boundary, CouplerScene, Diagonals, DragLaw, FluidScene, Geometry, Limits, MeshSource,
-    Nonlinear, ParticleScene, Scheme, TimeScheme, ViscousForm, Wall,
+    NearGrains, Nonlinear, ParticleScene, Refinement, Scheme, TimeScheme, ViscousForm, Wall,
 };
 use recording::Recorder;
 use tracing_subscriber::filter::Targets;
@@ -146,6 +146,36 @@ pub fn scene(
             step: 600.0,
         },
     }
+}
+
+/// Cells of this size near the grains, the cells of the scene being the root; the margin as it is chosen where a scene
+/// says nothing, and the growth too: 0.2.
+pub fn refined(mut scene: CouplerScene, near_grains: f64) -> CouplerScene {
+    let fluid = scene.fluid.as_mut().expect("a fluid");
+    fluid.refinement = Some(Refinement {
+        growth: 0.2,
+        largest: None,
+        regions: Vec::new(),
+    });
+    scene.near_grains = Some(NearGrains {
+        size: near_grains,
+        margin: 2.0 * near_grains,
+    });
+    scene
+}
+
+/// Where cells are small: for tables.
+pub fn place_of(refined: bool) -> &'static str {
+    match refined {
+        true => "near grains",
+        false => "everywhere",
+    }
+}
+
+/// Nodes of the mesh of the accepted state.
+pub fn node_count(coupling: &Simulation<2, 3>) -> usize {
+    let seat = coupling.system.fluid().expect("a fluid");
+    seat.mesh.node_position.len()
 }
 
 /// Start our engines on threads and couple them.

@@ -12,4 +12,5 @@ mod one_grain;
 mod packing;
 mod replay;
 mod settling;
+mod showcase;
 mod walls;
