@@ -1,6 +1,7 @@
 //! Suspensions: fronts, rest, growth of a heavy layer, the deferred correction.
 
 use coupler::coupled::setting::Deferred;
+use coupler::error::CouplerError;
 use coupler::simulation::Simulation;
 use coupler::system::System;
 use protocol::engine::InitialGrains;
@@ -74,7 +75,7 @@ fn front_speed(solid_fraction: f64, near_grains: bool) -> (f64, usize) {
     for step in 1..=160 {
         let followed = coupling.follow();
         followed
-            .and_then(|_| coupling.advance(dt))
+            .and_then(|_| in_halves(&mut coupling, dt, 6))
             .unwrap_or_else(|error| panic!("c0 {solid_fraction} step {step}: {error}"));
         match step {
             60 => early = front_height(&coupling, 0.5 * solid_fraction),
@@ -83,6 +84,18 @@ fn front_speed(solid_fraction: f64, near_grains: bool) -> (f64, usize) {
         }
     }
     ((early - late) / (100.0 * dt), node_count(&coupling))
+}
+
+/// A step, or its halves where it is not accepted, as a run takes it: grains that are spread over cells hardly larger
+/// than they are and lie on each other at the bottom do not settle within the passes of one step.
+fn in_halves(coupling: &mut Simulation<2, 3>, dt: f64, tries: u32) -> Result<(), CouplerError> {
+    match coupling.advance(dt) {
+        Err(CouplerError::NotConverged { .. }) if tries > 0 => {
+            in_halves(coupling, 0.5 * dt, tries - 1)?;
+            in_halves(coupling, 0.5 * dt, tries - 1)
+        }
+        other => other.map(drop),
+    }
 }
 
 /// Highest level at which the deposited solid fraction of a column, a mean across it, is `level` \[m\].
