@@ -12,6 +12,10 @@
 //! P_nod is P_sol with nodal products; the difference is what the transfer between nodes and the
 //! fluid's quadrature costs, of second order in the cell size. It is reported, not hidden.
 //!
+//! A mesh that follows changes what the fluid holds between two steps, (Z3) of the engine: over a run its volume,
+//! momentum and T_f are balanced with Σ ΔV, Σ ΔM and Σ ΔT of all meshes (`mesh_volume`, `mesh_momentum_x`, `_y`,
+//! `mesh_energy`), per metre of depth. (B1) knows nothing of ΔV, as φ is deposited anew.
+//!
 //! Ṫ is m Δv/Δt·v̄: with backward Euler it holds the change of kinetic energy and what the time
 //! scheme dissipates. P_sol is the power of the solid's terms as the fluid applied them.
 

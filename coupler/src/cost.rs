@@ -19,6 +19,10 @@ const PHASE: &str = "seconds_";
 /// The same in `steps.csv` and in the totals.
 const PHASE_OF_FLUID: &str = "cpu_fluid_";
 const TOTAL_OF_PHASE: &str = "fluid_seconds_";
+/// Diagnostics of the fluid engine: what a new mesh has done to volume, momentum and energy, and how much of
+/// what there was that is.
+const OF_MESH: &str = "mesh_";
+const SHARE: &str = "_share";
 
 /// Times of one step \[s\].
 #[derive(Debug, Clone, Default)]
@@ -180,6 +184,17 @@ impl Totals {
         self.worst("energy_defect_max", budget.energy_defect);
         self.worst("transfer_loss_max", budget.transfer_loss.abs());
         self.worst("passes_max", f64::from(report.passes));
+    }
+
+    /// Add what the fluid engine tells of an accepted step: sums of what meshes have done to what it holds, and
+    /// the largest share of one.
+    pub fn add_mesh_changes(&mut self, told: &[Diagnostic]) {
+        for Diagnostic { name, value } in told.iter().filter(|d| d.name.starts_with(OF_MESH)) {
+            match name.ends_with(SHARE) {
+                true => self.worst(&format!("{name}_max"), *value),
+                false => self.sum(name, *value),
+            }
+        }
     }
 
     /// Add a checkpoint that took so long \[s\].

@@ -176,10 +176,15 @@ impl Row {
 
 /// Numbers of the fluid engine that stand in `steps.csv` as they are: inflow and outflow \[m²/s\],
 /// pressure drop \[Pa\], mean pressure gradient where it steers the flow \[Pa/m\], forces on walls and bodies
-/// \[N/m\].
+/// \[N/m\]; where the mesh follows, what it has done to volume \[m²\], momentum \[kg/s\] and kinetic energy
+/// \[J/m\] of the fluid.
 fn is_column(name: &str) -> bool {
     matches!(name, "inflow" | "outflow" | "pressure_drop")
         || name.starts_with("mean_pressure_gradient_")
+        || matches!(name, "mesh_volume" | "mesh_energy")
+        || name
+            .strip_prefix("mesh_momentum_")
+            .is_some_and(|axis| AXES.contains(&axis))
         || AXES.iter().any(|axis| {
             let force = name.strip_prefix("force_");
             let along = force.and_then(|rest| rest.strip_prefix(axis));

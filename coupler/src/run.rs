@@ -221,6 +221,9 @@ impl Course {
         let report = step_with_retries(simulation, clock, listener, dt)?;
         let cost = meter.stop(&simulation.system);
         self.totals.add(&report, &cost);
+        if let Some(seat) = simulation.system.fluid() {
+            self.totals.add_mesh_changes(&seat.diagnostics);
+        }
         listener.step(observe::columns(simulation, &report, &cost))?;
         self.recording.look(listener)
     }

@@ -123,6 +123,11 @@ where
         *self.cost.mesh.get_or_insert(0.0) += seconds;
     }
 
+    /// Is its mesh not the first one?
+    pub fn mesh_has_changed(&self) -> bool {
+        self.cost.mesh.is_some()
+    }
+
     /// A step without convection while the flow creeps; the first candidate that does not is solved
     /// again with it, and `convected` are later passes of its step, whose equations must not differ,
     /// and all steps after it.
@@ -281,6 +286,7 @@ where
                 before: Some((step.now.clone(), step.request.dt)),
                 pressure,
                 convected: false,
+                mesh_change: None,
             },
         };
         Ok((candidate, cost))

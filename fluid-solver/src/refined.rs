@@ -5,7 +5,8 @@
 //! ```
 //!
 //! with the shape functions of the mesh before at the nodes of the new one: a node that stays keeps its values, and a
-//! velocity that is linear is carried over as it is. The new mesh comes from the root and the sizes alone
+//! velocity that is linear is carried over as it is. What that does to volume, momentum and energy is measured every
+//! time ((Z3) in [`crate::diagnostics::content`]). The new mesh comes from the root and the sizes alone
 //! ([`crate::mesh::bisection`]).
 
 use space::{Dim, Dimension};

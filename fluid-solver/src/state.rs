@@ -3,13 +3,15 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use space::Vector;
+use space::{Dim, Dimension, Vector};
 
+use crate::diagnostics::content::{Content, MeshChange};
 use crate::error::FluidError;
+use crate::mesh::simplices::Mesh;
 
 /// How a file of a state begins: whose it is, and the version of its layout.
 const MAGIC: &[u8] = b"SILLFLD\0";
-const VERSION: u8 = 1;
+const VERSION: u8 = 2;
 
 /// Superficial velocity with the porosity it belongs to: v = u_h/φ_h everywhere.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -52,6 +54,8 @@ pub struct State<const D: usize> {
     pub pressure: Vec<f64>,
     /// Was a step no creeping flow? Then convection is there from that step on.
     pub convected: bool,
+    /// What the mesh has done to it since the last step, where it is another one.
+    pub mesh_change: Option<MeshChange<D>>,
 }
 
 impl<const D: usize> State<D> {
@@ -67,6 +71,7 @@ impl<const D: usize> State<D> {
             before: None,
             pressure: vec![0.0; node_count],
             convected: false,
+            mesh_change: None,
         }
     }
 
@@ -77,6 +82,18 @@ impl<const D: usize> State<D> {
             flow.porosity.copy_from_slice(porosity);
         }
         flow
+    }
+
+    /// What the fluid holds on its mesh, at this density \[kg/m³\].
+    pub fn content<const N: usize>(&self, mesh: &Mesh<D, N>, density: f64) -> Content<D>
+    where
+        Dim<D>: Dimension<D>,
+    {
+        let Flow {
+            superficial_velocity,
+            porosity,
+        } = &self.now;
+        Content::new(mesh, porosity, superficial_velocity, density)
     }
 
     /// The same on another mesh, whose nodes are at these nodes and shape functions of this one ((Z2) in

@@ -8,6 +8,7 @@ use crate::boundary::constraints::Constraints;
 use crate::candidate::{Candidate, Request};
 use crate::config::FluidConfig;
 use crate::cost::cpu_seconds;
+use crate::diagnostics::content::MeshChange;
 use crate::error::FluidError;
 use crate::mesh::simplices::Mesh;
 use crate::problem::{Problem, Step};
@@ -69,8 +70,15 @@ where
         spots: &[([u32; N], [f64; N])],
         begin: f64,
     ) -> Result<(), FluidError> {
-        let state = self.accepted.carried(spots);
-        let mut problem = Problem::new(self.problem.config().clone(), mesh)?;
+        let config = self.problem.config();
+        let mut problem = Problem::new(config.clone(), mesh)?;
+        let mut state = self.accepted.carried(spots);
+        let before = || self.accepted.content(&self.problem.mesh, config.density);
+        let changed = self.accepted.mesh_change;
+        state.mesh_change = Some(MeshChange {
+            from: changed.map_or_else(before, |change| change.from),
+            to: state.content(&problem.mesh, config.density),
+        });
         problem.add_cost_of_mesh(cpu_seconds() - begin);
         self.problem = problem;
         self.set_state(state);
@@ -90,7 +98,11 @@ where
         let solid = Solid::new(fields, &self.problem.mesh)?;
         let step = Step::new(&self.accepted, request, solid)?;
         let problem = &mut self.problem;
-        let candidate = self.pool.install(|| problem.solve(&step, convected))?;
+        let mut candidate = self.pool.install(|| problem.solve(&step, convected))?;
+        if problem.mesh_has_changed() {
+            let change = self.accepted.mesh_change.unwrap_or_else(MeshChange::none);
+            candidate.diagnostics.extend(change.numbers());
+        }
         Ok(self.candidate.insert(candidate))
     }
 

@@ -176,6 +176,7 @@ fn packing_and_fluid_translate_together_through_the_mesh() {
                         before: None,
                         pressure,
                         convected: false,
+                        mesh_change: None,
                     });
                 }
                 let fields = SolidFields {

@@ -80,6 +80,7 @@ fn taylor_green(n: usize, dt: f64, viscosity: f64) -> FluidSolver<2, 3> {
         before,
         pressure,
         convected: false,
+        mesh_change: None,
     });
     for _ in 0..(1.0 / dt).round() as usize {
         solver

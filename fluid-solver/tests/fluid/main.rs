@@ -3,6 +3,7 @@
 mod balance;
 mod benchmarks;
 mod bisection;
+mod carried;
 mod costs;
 mod creeping;
 mod epochs;

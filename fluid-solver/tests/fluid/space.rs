@@ -304,6 +304,7 @@ fn grains_and_fluid_translate_together() {
             before: None,
             pressure: vec![0.0; solid.porosity.len()],
             convected: false,
+            mesh_change: None,
         });
         let candidate = solver
             .advance(&Request::first(1, 0.05), &solid.fields())

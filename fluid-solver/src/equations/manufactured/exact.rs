@@ -104,6 +104,7 @@ where
             before: None,
             pressure: vec![0.0; mesh.node_count()],
             convected: false,
+            mesh_change: None,
         }
     }
 
