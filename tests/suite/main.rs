@@ -4,6 +4,7 @@
 mod bed;
 mod cloud;
 mod column;
+mod epochs;
 mod held;
 mod leaving;
 mod lesser;

@@ -14,6 +14,7 @@ mod manufactured;
 mod mean_flow;
 mod open;
 mod porous;
+mod projection;
 mod refusals;
 mod serve;
 mod space;

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::Value;
 
 use crate::background::{Run, report, root, small_cloud};
+use crate::resume::kinds::FOLLOWED;
 
 /// Columns of `steps.csv`, summed over its rows.
 fn sums(text: &str) -> BTreeMap<String, f64> {
@@ -79,6 +80,47 @@ fn rows_sum_to_the_totals_and_phases_to_the_time_of_the_fluid() {
         ("wall_fluid", "wall_fluid"),
     ] {
         assert!(same(sums[column], total(name)), "{column}");
+    }
+}
+
+#[test]
+fn what_meshes_change_is_told_by_the_step_after_and_summed_where_the_mesh_follows() {
+    let changes = [
+        ("mesh_volume", "m²"),
+        ("mesh_momentum_x", "kg/s"),
+        ("mesh_momentum_y", "kg/s"),
+        ("mesh_energy", "J/m"),
+    ];
+    for follows in [false, true] {
+        let mut arguments = small_cloud(0.165);
+        if follows {
+            let settings = FOLLOWED.iter().flat_map(|setting| ["--set", setting]);
+            arguments.extend(settings.map(str::to_owned));
+        }
+        let (code, words, _, folder) = Run::start(&arguments).finish();
+        assert_eq!(code, Some(0), "{words}");
+        let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("a file");
+        let (rows, units) = (sums(&text("steps.csv")), text("steps.units.csv"));
+        let report = report(folder.path());
+        let total = |name: &str| report["totals"][name].as_f64();
+        for (name, unit) in changes {
+            let of_rows = rows.get(name).copied();
+            println!("{name:<16} {of_rows:?} {:?}", total(name));
+            assert_eq!(of_rows.is_some(), follows, "{name}");
+            assert_eq!(units.contains(&format!("{name},{unit}")), follows);
+            match (of_rows, total(name)) {
+                (Some(rows), Some(total)) => assert!((rows - total).abs() <= 1e-9 * total.abs()),
+                (rows, total) => assert_eq!(rows, total),
+            }
+        }
+        for name in ["volume", "momentum", "energy"] {
+            let share = total(&format!("mesh_{name}_share_max"));
+            println!("largest share of {name}: {share:?}");
+            assert_eq!(
+                share.is_some_and(|share| share > 0.0 && share < 0.5),
+                follows
+            );
+        }
     }
 }
 

@@ -2,6 +2,6 @@
 
 mod damage;
 mod killed;
-mod kinds;
+pub mod kinds;
 pub mod same;
 mod words;
