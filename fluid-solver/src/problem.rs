@@ -123,8 +123,8 @@ where
         *self.cost.mesh.get_or_insert(0.0) += seconds;
     }
 
-    /// Is its mesh not the first one?
-    pub fn mesh_has_changed(&self) -> bool {
+    /// May its mesh become another one, or has it?
+    pub fn mesh_may_change(&self) -> bool {
         self.cost.mesh.is_some()
     }
 

@@ -98,7 +98,7 @@ where
     Dim<D>: Dimension<D>,
 {
     let (bisection, mesh) = bisect(root, sizes)?;
-    Ok((FluidSolver::new(config, mesh)?, Refined::Cells(bisection)))
+    Ok((following(config, mesh)?, Refined::Cells(bisection)))
 }
 
 /// The same, refined from a mesh without joined sides.
@@ -111,5 +111,17 @@ where
     Dim<D>: Dimension<D>,
 {
     let (bisection, mesh) = bisect(&LongestEdge::new(root)?, sizes)?;
-    Ok((FluidSolver::new(config, mesh)?, Refined::Mesh(bisection)))
+    Ok((following(config, mesh)?, Refined::Mesh(bisection)))
+}
+
+fn following<const D: usize, const N: usize>(
+    config: FluidConfig<D>,
+    mesh: Mesh<D, N>,
+) -> Result<FluidSolver<D, N>, FluidError>
+where
+    Dim<D>: Dimension<D>,
+{
+    let mut solver = FluidSolver::new(config, mesh)?;
+    solver.tell_of_meshes();
+    Ok(solver)
 }

@@ -62,6 +62,11 @@ where
         self.candidate = None;
     }
 
+    /// The mesh may become another one: from the first step on candidates tell what that costs and changes.
+    pub(crate) fn tell_of_meshes(&mut self) {
+        self.problem.add_cost_of_mesh(0.0);
+    }
+
     /// Go on on another mesh, whose nodes are at these nodes and shape functions of the one before; it was begun at
     /// this CPU time \[s\].
     pub(crate) fn change_mesh(
@@ -99,7 +104,7 @@ where
         let step = Step::new(&self.accepted, request, solid)?;
         let problem = &mut self.problem;
         let mut candidate = self.pool.install(|| problem.solve(&step, convected))?;
-        if problem.mesh_has_changed() {
+        if problem.mesh_may_change() {
             let change = self.accepted.mesh_change.unwrap_or_else(MeshChange::none);
             candidate.diagnostics.extend(change.numbers());
         }

@@ -129,7 +129,8 @@ impl Followed {
             both.zones.extend(to.zones.clone());
             let (from, to) = (bisect(&self.root, &from), bisect(&self.root, &to));
             let (from, to) = (Found(&from.0, &from.1), Found(&to.0, &to.1));
-            let common = bisect(&self.root, &both).1;
+            let common = bisect(&self.root, &both);
+            let common = Found(&common.0, &common.1);
             let (flow, iterations) = projected_flow(&common, &from, &to, &flow);
             self.iterations = self.iterations.max(iterations);
             self.solver.set_state(State {
@@ -294,13 +295,13 @@ fn a_flow_that_decays_through_epochs_is_that_of_a_mesh_that_stays() {
                 step(&mut followed.solver, DT, porosity);
             }
             let (bisection, _) = bisect(&cells, &fine(&cells, followed.epoch));
+            let spots = bisection.spots_of(&bisect(&cells, &everywhere).0);
             let now = &followed.solver.state().now;
-            let square = |(x, exact): (&Vector<2>, &Vector<2>)| {
-                let spot = bisection.locate(x);
-                let v = at(&now.superficial_velocity, &spot) / at(&now.porosity, &spot);
+            let square = |(spot, exact): (&_, &Vector<2>)| {
+                let v = at(&now.superficial_velocity, spot) / at(&now.porosity, spot);
                 dot(&(v - exact), &(v - exact))
             };
-            let pairs = reference.mesh().position.iter().zip(&exact);
+            let pairs = spots.iter().zip(&exact);
             let weighted = pairs.map(square).zip(&reference.mesh().nodal_mass);
             let error = weighted
                 .map(|(square, mass)| square * mass)

@@ -7,6 +7,8 @@
 //! The mesh of min(h₁, h₂) divides both, so that all functions are linear on each of its triangles and the integrals
 //! are exact.
 
+use std::iter::zip;
+
 use fluid_solver::mesh::{Bisection, Mesh, Root};
 use fluid_solver::state::Flow;
 
@@ -66,29 +68,20 @@ fn solve(mesh: &Mesh<2, 3>, b: &[f64]) -> (Vec<f64>, usize) {
 pub struct Found<'a>(pub &'a Bisection<Root<2>, 2, 3>, pub &'a Mesh<2, 3>);
 
 fn projected(
-    common: &Mesh<2, 3>,
+    common: &Found,
     from: &Found,
     to: &Found,
     fields: &[Vec<f64>],
 ) -> (Vec<Vec<f64>>, usize) {
-    let points = common.position.iter();
-    let spots: Vec<_> = points.map(|x| [from.0.locate(x), to.0.locate(x)]).collect();
+    let spots: Vec<_> = zip(from.0.spots_of(common.0), to.0.spots_of(common.0)).collect();
     let mut iterations = 0;
     let mut project = |field: &Vec<f64>| {
         let mut b = vec![0.0; to.1.node_count()];
-        for ((nodes, triangle), corners) in common
-            .simplices
-            .iter()
-            .zip(&common.geometry)
-            .zip(&common.corners)
-        {
-            let old = nodes.map(|n| at(field, &spots[n][0]));
+        for (nodes, triangle) in zip(&common.1.simplices, &common.1.geometry) {
+            let old = nodes.map(|n| at(field, &spots[n].0));
             let sum: f64 = old.iter().sum();
-            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-            let there = at(field, &from.0.locate(&middle));
-            assert!((there - sum / 3.0).abs() < 1e-12, "linear on {corners:?}");
             for k in 0..3 {
-                let (to, shape) = spots[nodes[k]][1];
+                let (to, shape) = spots[nodes[k]].1;
                 for (&node, weight) in to.iter().zip(shape) {
                     b[node as usize] += weight * triangle.volume / 12.0 * (old[k] + sum);
                 }
@@ -103,7 +96,7 @@ fn projected(
 
 /// (L2) of u and φ, by the mesh that divides both; how many iterations.
 pub fn projected_flow(
-    common: &Mesh<2, 3>,
+    common: &Found,
     from: &Found,
     to: &Found,
     flow: &Flow<2>,
