@@ -125,9 +125,9 @@ def pin_pressure(problem, mean):
 
 
 def show_grains(problem, grains):
-    problem.set_particles(
-        grains.delassus(), grains.volume(), grains.position(), grains.velocity(), grains.omega(), grains.contact_forces()
-    )
+    matter = grains.delassus(), grains.volume()
+    motion = grains.position(), grains.velocity(), grains.omega()
+    problem.set_particles(*matter, *motion, grains.contact_forces())
 
 
 def box_of(position, margin):
@@ -157,14 +157,18 @@ def run(options, grains, radius):
 
 
 def advance(contact, problem, grains, step, weight, radius):
-    """One step, with contacts as the shipped examples have them: 2d_drop_mono (once), drop.py (sub-steps)."""
+    """One step. Contacts as the shipped examples have them, 2d_drop_mono (once) and drop.py (sub-steps, by the speed
+    of grains), or in so many sub-steps."""
     show_grains(problem, grains)
     problem.implicit_euler(step)
     force = problem.compute_node_force() + weight
     if contact == "once":
         grains.iterate(step, force, tol=0.1 * radius, force_motion=1)
-    else:
+    elif contact == "sub-steps":
         time_integration._advance_particles(grains, force, step, 1, 1e-3 * radius)
+    else:
+        for _ in range(int(contact)):
+            grains.iterate(step / int(contact), force, tol=1e-3 * radius, force_motion=1)
 
 
 def overlap(position, radius):
@@ -186,7 +190,7 @@ def arguments():
     parser.add_argument("--growth", type=float, default=0.3, help="of cells away from there, metres a metre")
     parser.add_argument("--largest", type=float, default=2 * R, help="largest cells [m]")
     parser.add_argument("--margin", type=float, default=0.5, help="how far grains go before a mesh follows, in R")
-    parser.add_argument("--contact", choices=["once", "sub-steps"], default="once")
+    parser.add_argument("--contact", default="once", help="once, sub-steps, or how many sub-steps")
     parser.add_argument("--mean-pressure", action="store_true", help="as in the shipped examples: a full row")
     parser.add_argument("--p2p1", action="store_true", help="quadratic velocities, no stabilisation")
     parser.add_argument("--pardiso", type=json.loads, default={}, help='parameters, e.g. {"3": 61}')

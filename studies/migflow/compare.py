@@ -53,10 +53,12 @@ def name(point):
 
 
 def sillage_command(point, folder):
+    near = RADIUS / point["cell"]
     settings = {
         "run.end_time": END, "run.coupling_step": END / point["steps"],
         "output.every": END, "output.frames": "false",
-        "fluid.domain.rectangle.cells": ROOT_CELLS, "fluid.refinement.near_grains": RADIUS / point["cell"],
+        "fluid.domain.rectangle.cells": ROOT_CELLS, "fluid.refinement.near_grains": near,
+        "fluid.refinement.margin": 2 * near, "fluid.refinement.growth": 0.2,
         "fluid.time_scheme": point["scheme"], **point.get("set", {}),
     }
     sets = [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
@@ -81,7 +83,8 @@ def sillage_result(folder):
 def migflow_command(point, grains, out):
     options = {
         "steps": point["steps"], "end": END, "near": RADIUS / point["cell"], "mesh": point["mesh"],
-        "contact": point["scheme"], "pardiso": json.dumps(point.get("pardiso", TUNED)), **point.get("options", {}),
+        "contact": point["scheme"].removesuffix(" sub-steps"),
+        "pardiso": json.dumps(point.get("pardiso", TUNED)), **point.get("options", {}),
     }
     words = [word for key, value in options.items() if value is not True for word in (f"--{key}", str(value))]
     words += [f"--{key}" for key, value in options.items() if value is True]
@@ -140,15 +143,17 @@ def run_all(options):
         subprocess.run(plan, check=True, stdout=subprocess.DEVNULL)
         for repeat in range(options.repeats):
             for point in points:
+                key = (point["program"], name(point), str(repeat))
                 rows = tables.read(options.data)
-                there = any((row["program"], row["point"]) == (point["program"], name(point)) and int(row["repeat"]) == repeat for row in rows)
+                there = any((row["program"], row["point"], row["repeat"]) == key for row in rows)
                 if there or repeat >= point.get("repeats", options.repeats):
                     continue
                 with tempfile.TemporaryDirectory(dir=scratch) as folder:
                     result = run(point, scratch / "plan/grains.csv", Path(folder))
                 if result is not None:
                     keep(options.data, point, repeat, result)
-                    print(point["program"], name(point), {key: digits(value) for key, value in result.items()}, flush=True)
+                    told = {column: digits(value) for column, value in result.items()}
+                    print(point["program"], name(point), told, flush=True)
 
 
 def main():

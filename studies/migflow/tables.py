@@ -1,10 +1,15 @@
 """Errors, tables and the picture of `cloud.csv`."""
 
 import csv
+import itertools
 import math
 import statistics
 
 GOOD = 0.01
+#: Grains that overlap less than this part of a radius are held apart.
+HELD = 1e-2
+#: What is held to 1 %: the mean position; the mean position and the front.
+ERRORS = {"error": "mean position", "both": "mean position and front"}
 NAMES = {"sillage": "Sillage", "migflow": "MigFlow"}
 
 
@@ -38,10 +43,12 @@ def with_errors(found, finest):
         point["error"] = apart / truth["fall"]
         point["sign"] = math.copysign(1.0, point["fall"] - truth["fall"])
         point["front_error"] = point["front"] / truth["front"] - 1.0
+        point["both"] = max(point["error"], abs(point["front_error"]))
         point["width_error"] = point["width"] / truth["width"] - 1.0
         point["finest"] = point is truth
     for point in found:
-        point["holds"] = all(other["error"] <= GOOD for other in found if finer(other, point))
+        as_fine = [other for other in found if finer(other, point)]
+        point["holds"] = {of: all(other[of] <= GOOD for other in as_fine) for of in ERRORS}
     return found
 
 
@@ -52,9 +59,9 @@ def finer(one, other):
 
 
 def rows_of(found):
-    for point in sorted(found, key=lambda point: (point["program"], point["scheme"], point["cpu"])):
+    for point in sorted(found, key=lambda point: (point["program"], point["cpu"])):
         error = "finest" if point["finest"] else f"{100 * point['sign'] * point['error']:+.2f} %"
-        good = "yes" if point["holds"] and not point["finest"] else ""
+        good = ["", "mean", "mean, front"][0 if point["finest"] else sum(point["holds"].values())]
         yield (
             f"| {NAMES[point['program']]} | {point['point']} | {point['nodes']:.0f} | {point['cpu']:.2f} |"
             f" {point['cpu_steps']:.2f} | {point['fall']:.3f} | {error} | {100 * point['front_error']:+.2f} % |"
@@ -62,25 +69,28 @@ def rows_of(found):
         )
 
 
-def cheapest(found, program, column, schemes=None):
+def cheapest(found, program, of, column, held):
+    """The point of a program that costs least among those within 1 % (and whose grains do not overlap)."""
     good = [
         point for point in found
-        if point["program"] == program and point["holds"] and not point["finest"]
-        and (schemes is None or point["scheme"] in schemes)
+        if point["program"] == program and point["holds"][of] and not point["finest"]
+        and (point["overlap"] < HELD or not held)
     ]
     return min(good, key=lambda point: point[column], default=None)
 
 
 def ratios(found):
     """Least CPU at 1 % of each program, of the whole process and of the steps alone."""
-    for schemes in (["once"], ["sub-steps"]):
-        for column in ("cpu", "cpu_steps"):
-            ours, theirs = cheapest(found, "sillage", column), cheapest(found, "migflow", column, schemes)
-            if ours and theirs:
-                yield (
-                    f"{column}, contacts of MigFlow {schemes[0]}: MigFlow {theirs[column]:.2f} s ({theirs['point']}),"
-                    f" Sillage {ours[column]:.2f} s ({ours['point']}): {theirs[column] / ours[column]:.2f}"
-                )
+    yield "| at 1 % of | overlaps | CPU of | MigFlow | Sillage | MigFlow / Sillage |"
+    yield "| --- | --- | --- | --- | --- | --- |"
+    for of, held, column in itertools.product(ERRORS, (False, True), ("cpu", "cpu_steps")):
+        ours, theirs = (cheapest(found, program, of, column, held) for program in ("sillage", "migflow"))
+        if ours and theirs:
+            costs = [f"{point[column]:.2f} s ({', '.join(point['point'].split(', ')[:2])})" for point in (theirs, ours)]
+            what = {"cpu": "the process", "cpu_steps": "the steps"}[column]
+            limit = f"< {HELD:g} r" if held else "any"
+            ratio = theirs[column] / ours[column]
+            yield f"| {ERRORS[of]} | {limit} | {what} | {costs[0]} | {costs[1]} | {ratio:.2f} |"
 
 
 def show(data, finest, picture):
@@ -89,9 +99,9 @@ def show(data, finest, picture):
         point["program"]: point for point in found if (point["program"], point["point"]) in finest
     }
     found = with_errors(found, truths)
-    print("| program | cell, step, mesh, scheme | nodes | CPU (s) | of it steps (s) | fall / R | mean position | front |"
-          " width | overlap / r | at 1 % |")
-    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
+    heads = ["program", "cell, step, mesh, scheme", "nodes", "CPU (s)", "of it steps (s)", "fall / R", "mean position"]
+    heads += ["front", "width", "overlap / r", "within 1 %"]
+    print("| " + " | ".join(heads) + " |\n" + "| --- " * len(heads) + "|")
     print("\n".join(rows_of(found)))
     print()
     print("\n".join(ratios(found)))
@@ -106,14 +116,23 @@ def draw(found, picture):
     from matplotlib import pyplot
 
     figure, axes = pyplot.subplots(figsize=(6, 4), layout="constrained")
-    kinds = sorted({(point["program"], point["scheme"]) for point in found})
-    for (program, scheme), mark in zip(kinds, "osD^v"):
-        shown = [p for p in found if (p["program"], p["scheme"]) == (program, scheme) and not p["finest"]]
-        axes.loglog(
-            [p["cpu"] for p in shown], [100 * p["error"] for p in shown], mark, label=f"{NAMES[program]}, {scheme}"
-        )
+    for program, colour in (("migflow", "tab:orange"), ("sillage", "tab:blue")):
+        for held, mark in ((False, "o"), (True, "s")):
+            shown = [
+                p for p in found
+                if p["program"] == program and (p["overlap"] < HELD) == held and not p["finest"]
+            ]
+            label = f"{NAMES[program]}, grains {'held apart' if held else 'may overlap'}"
+            fill = colour if held else "none"
+            costs, errors = ([p[key] * factor for p in shown] for key, factor in (("cpu", 1), ("error", 100)))
+            axes.loglog(costs, errors, mark, color=colour, markerfacecolor=fill, label=label)
     axes.axhline(100 * GOOD, color="grey", linewidth=0.8)
     axes.set_xlabel("CPU of the whole run (s)")
     axes.set_ylabel("mean position at t* = 60, error (%)")
-    axes.legend()
+    axes.set_xlim(1.0, 50.0)
+    axes.set_ylim(0.1, 2.0)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter("")
+    axes.legend(loc="lower right")
     figure.savefig(picture, dpi=120)
