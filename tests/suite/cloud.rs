@@ -169,7 +169,6 @@ impl Cells {
 }
 
 /// (h/R, error) of the first fall velocity on cells of R/4, R/6 and R/12.
-
 fn first_falls(reference: f64, kind: Cells) -> Vec<(f64, f64)> {
     let mut table = Vec::new();
     println!("| h | nodes | V/(fR²/μ) | error | third law | passes |");
