@@ -66,6 +66,17 @@ fn pressure_drop(coupling: &mut Simulation<2, 3>, height: f64) -> f64 {
     level(0.0) - level(height) - WATER * 9.81 * height
 }
 
+/// 8 × 32 grains that do not move, at this porosity: width and height of the lattice \[m\], and the grains.
+fn frozen_lattice(porosity: f64) -> ([f64; 2], InitialGrains) {
+    let spacing = RADIUS * (std::f64::consts::PI / (1.0 - porosity)).sqrt();
+    let grains = disks(
+        &lattice([0.0, 0.0], spacing, [8, 32]),
+        &[RADIUS; 256],
+        GLASS,
+    );
+    ([8.0 * spacing, 32.0 * spacing], frozen(grains))
+}
+
 #[test]
 fn the_pressure_drop_of_a_bed_of_frozen_grains_on_a_lattice_is_the_closed_form() {
     println!("| porosity | U_s [m/s] | Δp/L closed form [Pa/m] | relative error | energy defect |");
@@ -74,13 +85,7 @@ fn the_pressure_drop_of_a_bed_of_frozen_grains_on_a_lattice_is_the_closed_form()
         .filter(|row| row[0] == "glass/water 100um" && row[1] == "2")
     {
         let (porosity, speed, expected) = (number(row, 2), number(row, 3), number(row, 5));
-        let spacing = RADIUS * (std::f64::consts::PI / (1.0 - porosity)).sqrt();
-        let (width, height) = (8.0 * spacing, 32.0 * spacing);
-        let grains = frozen(disks(
-            &lattice([0.0, 0.0], spacing, [8, 32]),
-            &[RADIUS; 256],
-            GLASS,
-        ));
+        let ([width, height], grains) = frozen_lattice(porosity);
         let mut engine = particles(GRAVITY);
         engine.period = vec![Some(width), None];
         let mut scene = scene(
@@ -121,13 +126,7 @@ fn a_lattice_on_halved_cells_has_the_pressure_drop_of_alternate_diagonals() {
         .filter(|row| row[0] == "glass/water 100um" && row[1] == "2");
     for row in rows.step_by(3) {
         let (porosity, speed, expected) = (number(row, 2), number(row, 3), number(row, 5));
-        let spacing = RADIUS * (std::f64::consts::PI / (1.0 - porosity)).sqrt();
-        let (width, height) = (8.0 * spacing, 32.0 * spacing);
-        let grains = frozen(disks(
-            &lattice([0.0, 0.0], spacing, [8, 32]),
-            &[RADIUS; 256],
-            GLASS,
-        ));
+        let ([width, height], grains) = frozen_lattice(porosity);
         let errors = [[2, 8], [1, 4]].map(|cells| {
             let mut fluid = column(width, height, cells, speed);
             if let MeshSource::Rectangle { diagonals, .. } = &mut fluid.mesh {
@@ -137,7 +136,7 @@ fn a_lattice_on_halved_cells_has_the_pressure_drop_of_alternate_diagonals() {
             engine.period = vec![Some(width), None];
             let mut scene = scene(Some(fluid), Some(engine), 1.0, 3);
             if cells == [1, 4] {
-                scene = refined(scene, 4.0 * spacing);
+                scene = refined(scene, 0.5 * width);
             }
             scene.scheme = Scheme::Staggered;
             let mut coupling = couple(scene, &grains);
