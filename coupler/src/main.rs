@@ -78,7 +78,11 @@ fn main() -> ExitCode {
         .map_err(CouplerError::from)
         .and_then(|runspace| {
             let (scene, grains) = coupler::input::read(&arguments.scene)?;
-            coupler::run::run::<2, 3>(scene, &grains, &runspace, &arguments.files())
+            let files = arguments.files();
+            match scene.dimension {
+                2 => coupler::run::run::<2, 3>(scene, &grains, &runspace, &files),
+                _ => coupler::run::run::<3, 4>(scene, &grains, &runspace, &files),
+            }
         });
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -210,7 +210,7 @@ mod tests {
     #[test]
     fn facets_are_walls_unless_they_are_open_and_belts_move() {
         let floor = Wall::segment([0.0, 0.0], [1.0, 0.0]);
-        let belt = Wall::segment([1.0, 0.0], [2.0, 0.0]).moving(Some([0.3, 0.0]));
+        let belt = Wall::of(&[[1.0, 0.0], [2.0, 0.0]], Some([0.3, 0.0]));
         let inflow = Wall::segment([2.0, 0.0], [2.0, 1.0]);
         let lid = Wall::segment([2.0, 1.0], [0.0, 1.0]);
         let walls = [floor, belt, inflow];

@@ -14,7 +14,7 @@
 //! * [`boundary`]: conditions, resolved to nodes
 //! * [`linear`]: factor and refinement
 //! * [`step`], [`problem`], [`solve`]: advance and commit; one step; Picard and Newton
-//! * [`refined`]: the same on a mesh that follows a size function
+//! * [`refined`], [`source`]: the same on a mesh that follows a size function, and where a mesh comes from
 //! * [`diagnostics`]: the energy identity, forces on boundaries
 //! * [`serve`]: the seat in the coupled system, the only file that knows the protocol
 //!
@@ -54,6 +54,7 @@ pub mod refined;
 pub mod serve;
 pub mod solid;
 pub mod solve;
+pub mod source;
 pub mod state;
 pub mod step;
 pub mod time_scheme;

@@ -88,6 +88,20 @@ where
     Bisection::new(root, &sizes, SIMPLICES_MAX)
 }
 
+/// The mesh of a box of cells, none of them divided.
+pub fn cells<const D: usize, const N: usize>(root: &Root<D>) -> Result<Mesh<D, N>, FluidError>
+where
+    Dim<D>: Dimension<D>,
+{
+    let as_they_are = Refinement {
+        zones: Vec::new(),
+        growth: 1.0,
+        largest: None,
+    };
+    let (_, mesh) = bisect(root, &as_they_are)?;
+    Ok(mesh)
+}
+
 /// A solver on its first mesh, refined from a box of cells, and how that follows.
 pub fn solver<const D: usize, const N: usize>(
     config: FluidConfig<D>,

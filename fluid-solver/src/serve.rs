@@ -3,7 +3,9 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use protocol::engine::{Computed, FacetDescription, FluidEngine, Inputs, MeshDescription, Outputs};
+use protocol::engine::{
+    Computed, FacetDescription, FluidEngine, Inputs, MeshDescription, Outputs, PlaneOrSpace,
+};
 use protocol::field::Field;
 use protocol::message::{
     Advance, BoundaryKind, Capability, Diagnostic, Failure, FailureKind, MeshBoundary,
@@ -14,31 +16,47 @@ use protocol::scene::{
 };
 
 use gmsh::Options;
-use space::{Vector, flat};
+use space::{Dim, Dimension, Vector, flat};
 
-use crate::boundary::condition::{Condition, periodic_directions};
+use crate::boundary::condition::Condition;
 use crate::candidate::Request;
 use crate::config::{FluidConfig, Nonlinear, TimeScheme};
 use crate::equations::coefficients::ViscousForm;
 use crate::error::FluidError;
-use crate::mesh::file;
 use crate::mesh::rectangle::{Diagonals, Rectangle};
-use crate::mesh::simplices::Mesh;
 use crate::mesh::{Place, Root, Zone};
-use crate::refined::{self, Refined, Refinement};
+use crate::refined::{Refined, Refinement};
 use crate::solid::SolidFields;
+use crate::source::{MeshFile, Source};
 use crate::state::State;
 use crate::step::FluidSolver;
 
 /// Numbers of a candidate that the report tells.
 const TYPED: [&str; 3] = ["solid_power", "reynolds", "convection"];
 
-/// The built-in fluid engine, in the plane: the scene's meshes are plane.
-#[derive(Default)]
-pub struct Engine {
-    solver: Option<FluidSolver<2, 3>>,
+/// The built-in fluid engine.
+pub type Engine = PlaneOrSpace<Fluid<2, 3>, Fluid<3, 4>>;
+
+/// The same in `D` dimensions.
+pub struct Fluid<const D: usize, const N: usize>
+where
+    Dim<D>: Dimension<D>,
+{
+    solver: Option<FluidSolver<D, N>>,
     /// How its mesh follows, where the scene asks for that.
-    refined: Option<Refined<2, 3>>,
+    refined: Option<Refined<D, N>>,
+}
+
+impl<const D: usize, const N: usize> Default for Fluid<D, N>
+where
+    Dim<D>: Dimension<D>,
+{
+    fn default() -> Self {
+        Fluid {
+            solver: None,
+            refined: None,
+        }
+    }
 }
 
 /// `main` of the engine's process.
@@ -46,7 +64,10 @@ pub fn run() -> ExitCode {
     protocol::engine::run_fluid(Engine::default())
 }
 
-impl FluidEngine for Engine {
+impl<const D: usize, const N: usize> FluidEngine for Fluid<D, N>
+where
+    Dim<D>: Seated<D, N>,
+{
     fn identity(&self) -> (&'static str, &'static str) {
         ("sillage-fluid", env!("CARGO_PKG_VERSION"))
     }
@@ -64,12 +85,9 @@ impl FluidEngine for Engine {
     fn configure(&mut self, scene: &FluidScene) -> Result<MeshDescription, Failure> {
         let config = config(scene).map_err(unusable)?;
         let refuse = |error: FluidError| Failure::new(FailureKind::Scene, error.to_string());
-        let source = Source::of(&scene.mesh).map_err(unusable)?;
+        let source = source(&scene.mesh).map_err(unusable)?;
         let solver = match &scene.refinement {
-            None => {
-                let mesh = source.mesh(&config).map_err(refuse)?;
-                FluidSolver::new(config, mesh).map_err(refuse)?
-            }
+            None => source.solver(config).map_err(refuse)?,
             Some(sizes) => {
                 let sizes = refinement(sizes).map_err(unusable)?;
                 let (solver, follows) = source.refined(config, &sizes).map_err(refuse)?;
@@ -165,8 +183,11 @@ impl FluidEngine for Engine {
     }
 }
 
-impl Engine {
-    fn solver(&mut self) -> Result<&mut FluidSolver<2, 3>, Failure> {
+impl<const D: usize, const N: usize> Fluid<D, N>
+where
+    Dim<D>: Dimension<D>,
+{
+    fn solver(&mut self) -> Result<&mut FluidSolver<D, N>, Failure> {
         let missing = || Failure::new(FailureKind::Engine, "the engine is not configured");
         self.solver.as_mut().ok_or_else(missing)
     }
@@ -189,7 +210,7 @@ fn unusable(why: String) -> Failure {
     Failure::new(FailureKind::Scene, why)
 }
 
-fn config(scene: &FluidScene) -> Result<FluidConfig<2>, String> {
+fn config<const D: usize>(scene: &FluidScene) -> Result<FluidConfig<D>, String> {
     let mut config = FluidConfig::new(scene.density, scene.dynamic_viscosity);
     let named = scene.boundaries.iter();
     config.boundaries = named
@@ -228,7 +249,7 @@ fn config(scene: &FluidScene) -> Result<FluidConfig<2>, String> {
     Ok(config)
 }
 
-fn condition(boundary: &scene::Boundary<[f64; 2]>) -> Condition<2> {
+fn condition<const D: usize>(boundary: &scene::Boundary<[f64; D]>) -> Condition<D> {
     match boundary {
         scene::Boundary::NoSlip => Condition::NoSlip,
         scene::Boundary::Slip => Condition::Slip,
@@ -242,7 +263,7 @@ fn condition(boundary: &scene::Boundary<[f64; 2]>) -> Condition<2> {
     }
 }
 
-fn refinement(asked: &scene::Refinement) -> Result<Refinement<2>, String> {
+fn refinement<const D: usize>(asked: &scene::Refinement) -> Result<Refinement<D>, String> {
     let zone = |region: &scene::Region| {
         let place = match region {
             scene::Region::Ball { centre, radius, .. } => Place::Ball {
@@ -268,99 +289,92 @@ fn refinement(asked: &scene::Refinement) -> Result<Refinement<2>, String> {
     })
 }
 
-/// Where the mesh comes from.
-enum Source<'a> {
-    File(&'a Path, Options),
-    Rectangle(Rectangle),
+/// Dimensions that scenes have, with the cells that there are in each.
+pub trait Seated<const D: usize, const N: usize>: Dimension<D> {
+    /// Cells that a scene describes; an error for those of another dimension.
+    fn cells(mesh: &MeshSource) -> Result<Box<dyn Source<D, N>>, String>;
 }
 
-impl Source<'_> {
-    fn of(source: &MeshSource) -> Result<Source<'_>, String> {
-        Ok(match source {
-            MeshSource::File {
-                path,
-                scale,
-                surfaces,
-            } => {
-                let (scale, surfaces) = (*scale, surfaces.clone());
-                Source::File(Path::new(path), Options { scale, surfaces })
-            }
-            MeshSource::Rectangle {
-                lower,
-                upper,
-                cells,
-                diagonals,
-                grading,
-            } => Source::Rectangle(Rectangle {
-                lower: fixed(lower)?.into(),
-                upper: fixed(upper)?.into(),
-                cells: fixed(cells)?,
-                diagonals: match diagonals {
-                    scene::Diagonals::Alternate => Diagonals::Alternate,
-                    scene::Diagonals::Uniform => Diagonals::Uniform,
-                },
-                grading: fixed(grading)?.into(),
-                periodic: [false; 2],
-            }),
-        })
+impl Seated<2, 3> for Dim<2> {
+    fn cells(mesh: &MeshSource) -> Result<Box<dyn Source<2, 3>>, String> {
+        let MeshSource::Rectangle {
+            lower,
+            upper,
+            cells,
+            diagonals,
+            grading,
+        } = mesh
+        else {
+            return Err("a box is of space: in the plane write a rectangle".to_owned());
+        };
+        Ok(Box::new(Rectangle {
+            lower: fixed(lower)?.into(),
+            upper: fixed(upper)?.into(),
+            cells: fixed(cells)?,
+            diagonals: match diagonals {
+                scene::Diagonals::Alternate => Diagonals::Alternate,
+                scene::Diagonals::Uniform => Diagonals::Uniform,
+            },
+            grading: fixed(grading)?.into(),
+            periodic: [false; 2],
+        }))
     }
 }
 
-impl Source<'_> {
-    fn mesh(self, config: &FluidConfig<2>) -> Result<Mesh<2, 3>, FluidError> {
-        match self {
-            Source::File(path, options) => {
-                file::read(path, &options, |name| config.boundaries.contains_key(name))
-            }
-            Source::Rectangle(rectangle) => {
-                let periodic = periodic_directions(&config.boundaries)?;
-                let rectangle = Rectangle {
-                    periodic,
-                    ..rectangle
-                };
-                rectangle.mesh()
-            }
-        }
+impl Seated<3, 4> for Dim<3> {
+    fn cells(mesh: &MeshSource) -> Result<Box<dyn Source<3, 4>>, String> {
+        let MeshSource::Box {
+            lower,
+            upper,
+            cells,
+        } = mesh
+        else {
+            return Err("a rectangle is of the plane: in space write a box".to_owned());
+        };
+        Ok(Box::new(Root {
+            lower: fixed(lower)?.into(),
+            upper: fixed(upper)?.into(),
+            cells: fixed(cells)?,
+            periodic: [false; 3],
+        }))
     }
+}
 
-    /// A solver whose mesh is refined from this one.
-    fn refined(
-        self,
-        config: FluidConfig<2>,
-        sizes: &Refinement<2>,
-    ) -> Result<(FluidSolver<2, 3>, Refined<2, 3>), FluidError> {
-        match self {
-            Source::Rectangle(rectangle) if rectangle.grading == Vector::from([1.0; 2]) => {
-                let root = Root {
-                    lower: rectangle.lower,
-                    upper: rectangle.upper,
-                    cells: rectangle.cells,
-                    periodic: periodic_directions(&config.boundaries)?,
-                };
-                refined::solver(config, &root, sizes)
-            }
-            Source::Rectangle(_) => Err(FluidError::Mesh(
-                "a rectangle is refined from cells of one size: leave its grading out".to_owned(),
-            )),
-            Source::File(..) => {
-                let mesh = self.mesh(&config)?;
-                refined::solver_on_mesh(config, &mesh, sizes)
-            }
-        }
-    }
+fn source<const D: usize, const N: usize>(
+    mesh: &MeshSource,
+) -> Result<Box<dyn Source<D, N>>, String>
+where
+    Dim<D>: Seated<D, N>,
+{
+    let MeshSource::File {
+        path,
+        scale,
+        surfaces,
+    } = mesh
+    else {
+        return Dim::<D>::cells(mesh);
+    };
+    let (scale, surfaces) = (*scale, surfaces.clone());
+    Ok(Box::new(MeshFile {
+        path: path.into(),
+        options: Options { scale, surfaces },
+    }))
 }
 
 /// The mesh as the coupler needs it.
-fn describe(solver: &FluidSolver<2, 3>) -> MeshDescription {
+fn describe<const D: usize, const N: usize>(solver: &FluidSolver<D, N>) -> MeshDescription
+where
+    Dim<D>: Dimension<D>,
+{
     let mesh = solver.mesh();
     tracing::info!(
         nodes = mesh.node_count(),
-        triangles = mesh.simplices.len(),
+        simplices = mesh.simplices.len(),
         "mesh"
     );
     let nodes = mesh.simplices.iter().flatten();
     MeshDescription {
-        dimension: 2,
+        dimension: D,
         node_position: flat::numbers(&mesh.position).to_vec(),
         simplex_nodes: nodes.map(|&node| node as u32).collect(),
         simplex_position: flat::numbers(mesh.corners.as_flattened()).to_vec(),
@@ -371,7 +385,10 @@ fn describe(solver: &FluidSolver<2, 3>) -> MeshDescription {
 }
 
 /// Its boundary; sides that are joined have none.
-fn describe_facets(solver: &FluidSolver<2, 3>) -> FacetDescription {
+fn describe_facets<const D: usize, const N: usize>(solver: &FluidSolver<D, N>) -> FacetDescription
+where
+    Dim<D>: Dimension<D>,
+{
     let (mesh, constraints) = (solver.mesh(), solver.constraints());
     let names = mesh.boundary_names.iter().enumerate();
     let boundaries = names.filter_map(|(number, name)| {
@@ -397,7 +414,7 @@ fn describe_facets(solver: &FluidSolver<2, 3>) -> FacetDescription {
 }
 
 /// What a condition makes of its boundary; none where sides are joined.
-fn kind(condition: &Condition<2>) -> Option<BoundaryKind> {
+fn kind<const D: usize>(condition: &Condition<D>) -> Option<BoundaryKind> {
     match condition {
         Condition::NoSlip => Some(BoundaryKind::NoSlip),
         Condition::Slip => Some(BoundaryKind::Slip),

@@ -3,14 +3,14 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use protocol::engine::{Computed, InitialGrains, Inputs, Outputs, ParticleEngine};
+use protocol::engine::{Computed, InitialGrains, Inputs, Outputs, ParticleEngine, PlaneOrSpace};
 use protocol::field::Field;
 use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
 use protocol::process::may_leave_out;
 use protocol::report::ParticleReport;
 use protocol::scene::{ParticleScene, Wall, fixed};
 
-use space::{Vector, flat};
+use space::{Dim, Dimension, Linear, Spin, Vector, flat};
 
 use crate::error::Error;
 use crate::grains::{Grains, State, without};
@@ -21,9 +21,15 @@ use crate::step::request::{Forces, Request};
 use crate::walls::facet::Facet;
 
 /// The built-in particle engine.
+pub type Engine = PlaneOrSpace<Particles<2>, Particles<3>>;
+
+/// The same in `D` dimensions.
 #[derive(Debug, Default)]
-pub struct Engine {
-    solver: Option<ContactEngine<2>>,
+pub struct Particles<const D: usize>
+where
+    Dim<D>: Dimension<D>,
+{
+    solver: Option<ContactEngine<D>>,
     /// Volumes of the grains, which are asked for with the others that stay \[m³\].
     volume: Vec<f64>,
     /// Searches and looks at walls up to the last accepted step.
@@ -37,7 +43,10 @@ pub fn run() -> ExitCode {
     protocol::engine::run_particles(Engine::default())
 }
 
-impl ParticleEngine for Engine {
+impl<const D: usize> ParticleEngine for Particles<D>
+where
+    Dim<D>: Dimension<D>,
+{
     fn identity(&self) -> (&'static str, &'static str) {
         ("sillage-particles", env!("CARGO_PKG_VERSION"))
     }
@@ -140,8 +149,11 @@ impl ParticleEngine for Engine {
     }
 }
 
-impl Engine {
-    fn solver(&mut self) -> Result<&mut ContactEngine<2>, Failure> {
+impl<const D: usize> Particles<D>
+where
+    Dim<D>: Dimension<D>,
+{
+    fn solver(&mut self) -> Result<&mut ContactEngine<D>, Failure> {
         self.solver.as_mut().ok_or_else(not_configured)
     }
 }
@@ -165,8 +177,14 @@ fn failure(error: Error) -> Failure {
     Failure::new(kind, error.to_string())
 }
 
-fn build(scene: &ParticleScene, grains: &InitialGrains) -> Result<ContactEngine<2>, Error> {
-    let walls: Result<Vec<Facet<2>>, String> = scene.walls.iter().map(facet).collect();
+fn build<const D: usize>(
+    scene: &ParticleScene,
+    grains: &InitialGrains,
+) -> Result<ContactEngine<D>, Error>
+where
+    Dim<D>: Dimension<D>,
+{
+    let walls: Result<Vec<Facet<D>>, String> = scene.walls.iter().map(facet).collect();
     let setup = Setup {
         gravity: Vector::from(fixed(&scene.gravity).map_err(Error::Setup)?),
         walls: walls.map_err(Error::Setup)?,
@@ -215,10 +233,13 @@ fn vectors<const D: usize>(interleaved: &[f64]) -> Result<&[Vector<D>], Error> {
 }
 
 /// The grains as they are now.
-fn present(solver: &ContactEngine<2>, volume: &[f64]) -> InitialGrains {
+fn present<const D: usize>(solver: &ContactEngine<D>, volume: &[f64]) -> InitialGrains
+where
+    Dim<D>: Dimension<D>,
+{
     let (grains, state) = (solver.grains(), solver.accepted());
     InitialGrains {
-        dimension: 2,
+        dimension: D,
         position: flat::numbers(&state.position).to_vec(),
         velocity: flat::numbers(&state.velocity).to_vec(),
         radius: grains.radius.clone(),
@@ -229,7 +250,10 @@ fn present(solver: &ContactEngine<2>, volume: &[f64]) -> InitialGrains {
 }
 
 /// Write a candidate into the coupler's buffers.
-fn write(candidate: &Candidate<2>, mut outputs: Outputs<'_>) -> Result<(), Failure> {
+fn write<const D: usize>(candidate: &Candidate<D>, mut outputs: Outputs<'_>) -> Result<(), Failure>
+where
+    Dim<D>: Dimension<D>,
+{
     let vectors = [
         (
             Field::GrainPosition,
@@ -257,8 +281,9 @@ fn write(candidate: &Candidate<2>, mut outputs: Outputs<'_>) -> Result<(), Failu
         target.copy_from_slice(source);
     }
     let spin = outputs.take(Field::GrainSpin);
-    for (target, source) in spin.iter_mut().zip(&candidate.state.spin) {
-        *target = *source;
+    let components = <Spin<D>>::COMPONENTS;
+    for (target, source) in spin.chunks_exact_mut(components).zip(&candidate.state.spin) {
+        (0..components).for_each(|k| target[k] = source.component(k));
     }
     let contact = outputs.take(Field::GrainContact);
     for (target, source) in contact.iter_mut().zip(&candidate.contact) {
@@ -268,7 +293,12 @@ fn write(candidate: &Candidate<2>, mut outputs: Outputs<'_>) -> Result<(), Failu
 }
 
 /// What the coupler goes by, and numbers for people.
-fn told(candidate: &Candidate<2>) -> Result<(ParticleReport, Vec<Diagnostic>), Failure> {
+fn told<const D: usize>(
+    candidate: &Candidate<D>,
+) -> Result<(ParticleReport, Vec<Diagnostic>), Failure>
+where
+    Dim<D>: Dimension<D>,
+{
     let report = &candidate.report;
     let typed = ParticleReport::new(report.sub_steps)
         .ok_or_else(|| Failure::new(FailureKind::Engine, "a candidate of no sub-step"))?;

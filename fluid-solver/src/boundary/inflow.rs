@@ -10,6 +10,9 @@ use crate::error::FluidError;
 use crate::mesh::facet::BoundaryFacet;
 use crate::mesh::simplices::Mesh;
 
+/// Extent across a flat side, of the longest along it.
+const FLAT: f64 = 1e-9;
+
 /// Shape of the velocity given along a boundary.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Profile<const D: usize> {
@@ -23,6 +26,13 @@ pub(super) enum Profile<const D: usize> {
         along: Vector<D>,
         /// |along|² \[m²\].
         squared: f64,
+    },
+    /// The product of 4 t (1 − t) along each axis of a rectangle of space, t from side to side.
+    Paraboloid {
+        /// Its lower corner \[m\].
+        lower: Vector<D>,
+        /// From there to the upper one \[m\]; 0 across it.
+        extent: Vector<D>,
     },
 }
 
@@ -39,6 +49,14 @@ impl<const D: usize> Profile<D> {
                 let t = dot(&(at - start), along) / squared;
                 4.0 * t * (1.0 - t)
             }
+            Profile::Paraboloid { lower, extent } => {
+                let along = (0..D).filter(|&axis| extent[axis] > 0.0);
+                let factor = along.map(|axis| {
+                    let t = (at[axis] - lower[axis]) / extent[axis];
+                    4.0 * t * (1.0 - t)
+                });
+                factor.product()
+            }
         }
     }
 }
@@ -49,6 +67,7 @@ pub(super) fn profiles<const D: usize, const N: usize>(
     conditions: &[Condition<D>],
 ) -> Result<Vec<Profile<D>>, FluidError> {
     let profile = |(boundary, condition): (usize, &Condition<D>)| match condition {
+        Condition::Parabolic(_) if D > 2 => rectangle(mesh, boundary),
         Condition::Parabolic(_) => {
             let [start, end] = ends(mesh, boundary)?;
             let along = end - start;
@@ -61,6 +80,36 @@ pub(super) fn profiles<const D: usize, const N: usize>(
         _ => Ok(Profile::Plain),
     };
     conditions.iter().enumerate().map(profile).collect()
+}
+
+/// The profile of a boundary of space, which must be a flat rectangle along the axes.
+fn rectangle<const D: usize, const N: usize>(
+    mesh: &Mesh<D, N>,
+    boundary: usize,
+) -> Result<Profile<D>, FluidError> {
+    let facets = mesh.facets.iter().filter(|f| f.boundary == boundary);
+    let (mut lower, mut upper) = (Vector::<D>::repeat(f64::MAX), Vector::<D>::repeat(f64::MIN));
+    let mut size = 0.0;
+    for facet in facets {
+        size += facet.size;
+        for corner in facet.corner.map(|k| mesh.corners[facet.simplex][k]) {
+            (lower, upper) = (lower.inf(&corner), upper.sup(&corner));
+        }
+    }
+    let mut extent = upper - lower;
+    let longest = extent.max();
+    extent
+        .iter_mut()
+        .for_each(|x| *x = if *x > FLAT * longest { *x } else { 0.0 });
+    let area: f64 = extent.iter().filter(|x| **x > 0.0).product();
+    let flat = extent.iter().filter(|x| **x > 0.0).count() + 1 == D;
+    match flat && (size - area).abs() <= 1e-6 * area {
+        true => Ok(Profile::Paraboloid { lower, extent }),
+        false => Err(FluidError::Boundary {
+            name: mesh.boundary_names[boundary].clone(),
+            why: "a parabolic inflow of space needs a flat rectangle along the axes".to_owned(),
+        }),
+    }
 }
 
 /// Write the factors of profiles to the nodes whose velocity they give.

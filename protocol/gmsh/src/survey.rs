@@ -61,15 +61,31 @@ pub fn groups<const D: usize>(file: &File) -> Vec<Group> {
     groups.into_values().collect()
 }
 
-/// Length or area of an element with straight sides; 0 of those with more dimensions.
+/// Tetrahedra around the long diagonal of a hexahedron.
+const AROUND: [[usize; 4]; 6] = [
+    [0, 1, 2, 6],
+    [0, 2, 3, 6],
+    [0, 3, 7, 6],
+    [0, 7, 4, 6],
+    [0, 4, 5, 6],
+    [0, 5, 1, 6],
+];
+
+/// Length, area or volume of an element with straight sides; 0 of kinds that no mesh is made of.
 fn size(file: &File, element: &Element) -> f64 {
     let at = |k: usize| Vector::<3>::from(file.nodes[&element.nodes[k]]);
     match (element.dimension, element.corners) {
         (1, _) => hypot(&(at(1) - at(0))),
         (2, 3) => 0.5 * hypot(&(at(1) - at(0)).cross(&(at(2) - at(0)))),
         (2, 4) => 0.5 * hypot(&(at(2) - at(0)).cross(&(at(3) - at(1)))),
+        (3, 4) => volume([0, 1, 2, 3].map(at)),
+        (3, 8) => AROUND.iter().map(|part| volume(part.map(at))).sum(),
         _ => 0.0,
     }
+}
+
+fn volume([a, b, c, d]: [Vector<3>; 4]) -> f64 {
+    (b - a).dot(&(c - a).cross(&(d - a))).abs() / 6.0
 }
 
 /// How good the simplices are.

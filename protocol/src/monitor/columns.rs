@@ -95,31 +95,48 @@ pub fn is_count(name: &str) -> bool {
     counts.contains(&name) || COUNTERS.contains(&name)
 }
 
-/// The unit of a column, in a plane of disks per metre of depth or of balls in a slab; "–" for a number
-/// without one, none for a column that is not ours.
-pub fn unit(name: &str, disks: bool) -> Option<&'static str> {
-    let among = |disk: &'static str, ball: &'static str| if disks { disk } else { ball };
+/// What the numbers of a column are told of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A plane of disks, per metre of depth.
+    Disks,
+    /// A plane with balls in a slab: what is told of the fluid is per metre of depth.
+    Slab,
+    /// Space.
+    Space,
+}
+
+/// The unit of a column; "–" for a number without one, none for a column that is not ours.
+pub fn unit(name: &str, kind: Kind) -> Option<&'static str> {
+    let grains = |disk: &'static str, ball: &'static str| match kind {
+        Kind::Disks => disk,
+        Kind::Slab | Kind::Space => ball,
+    };
+    let fluid = |plane: &'static str, space: &'static str| match kind {
+        Kind::Disks | Kind::Slab => plane,
+        Kind::Space => space,
+    };
     let starts = |prefix: &str| name.starts_with(prefix);
     Some(match name {
         TIME | "dt" => "s",
         "front" | "rear" | "width" | "width98" => "m",
         "fluid_speed_max" => "m/s",
-        "kinetic_energy" | "mechanical_energy" => among("J/m", "J"),
-        "removed_energy" => among("J/m", "J"),
-        "removed_volume" => among("m²", "m³"),
-        "removed_mass" => among("kg/m", "kg"),
-        "inflow" | "outflow" => "m²/s",
-        "mesh_volume" => "m²",
-        "mesh_energy" => "J/m",
+        "kinetic_energy" | "mechanical_energy" => grains("J/m", "J"),
+        "removed_energy" => grains("J/m", "J"),
+        "removed_volume" => grains("m²", "m³"),
+        "removed_mass" => grains("kg/m", "kg"),
+        "inflow" | "outflow" => fluid("m²/s", "m³/s"),
+        "mesh_volume" => fluid("m²", "m³"),
+        "mesh_energy" => fluid("J/m", "J"),
         "pressure_drop" => "Pa",
         CONTACT_RESIDUAL | PENETRATION_MAX | POROSITY_MIN | "transfer_loss" | "reynolds" => "–",
         _ if is_cost(name) => "s",
         _ if is_count(name) || name.ends_with(DEFECT) => "–",
         _ if starts("centre_") => "m",
         _ if starts("fall_speed") => "m/s",
-        _ if starts("momentum_") || starts("removed_momentum_") => among("kg/s", "kg m/s"),
-        _ if starts("mesh_momentum_") => "kg/s",
-        _ if starts("force_") => "N/m",
+        _ if starts("momentum_") || starts("removed_momentum_") => grains("kg/s", "kg m/s"),
+        _ if starts("mesh_momentum_") => fluid("kg/s", "kg m/s"),
+        _ if starts("force_") => fluid("N/m", "N"),
         _ if starts("mean_pressure_gradient_") => "Pa/m",
         _ => return None,
     })

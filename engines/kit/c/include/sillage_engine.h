@@ -347,19 +347,19 @@ typedef struct sillage_fluid_scene {
      */
     const double *gravity;
     /*
-     A Gmsh file, 2.2 or 4.1, ASCII or binary; NULL: a rectangle. See `mesh_scale` and `mesh_surfaces`.
+     A Gmsh file, 2.2 or 4.1, ASCII or binary; NULL: a rectangle, in space a box. See `mesh_scale` and `mesh_surfaces`.
      */
     const char *mesh_file;
     /*
-     Rectangle: lower left corner (m), a vector; NULL with a file.
+     Rectangle or box: lower left corner (m), a vector; NULL with a file.
      */
     const double *lower;
     /*
-     Rectangle: upper right corner (m), a vector; NULL with a file.
+     Rectangle or box: upper right corner (m), a vector; NULL with a file.
      */
     const double *upper;
     /*
-     Rectangle: cells along each axis, two triangles each; NULL with a file.
+     Rectangle or box: cells along each axis, two triangles or six tetrahedra each; NULL with a file.
      */
     const uint64_t *cells;
     /*

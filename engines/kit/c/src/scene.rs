@@ -61,13 +61,13 @@ pub struct FluidScene {
     pub dynamic_viscosity: f64,
     /// g (m/s2), a vector.
     pub gravity: *const f64,
-    /// A Gmsh file, 2.2 or 4.1, ASCII or binary; NULL: a rectangle. See `mesh_scale` and `mesh_surfaces`.
+    /// A Gmsh file, 2.2 or 4.1, ASCII or binary; NULL: a rectangle, in space a box. See `mesh_scale` and `mesh_surfaces`.
     pub mesh_file: *const c_char,
-    /// Rectangle: lower left corner (m), a vector; NULL with a file.
+    /// Rectangle or box: lower left corner (m), a vector; NULL with a file.
     pub lower: *const f64,
-    /// Rectangle: upper right corner (m), a vector; NULL with a file.
+    /// Rectangle or box: upper right corner (m), a vector; NULL with a file.
     pub upper: *const f64,
-    /// Rectangle: cells along each axis, two triangles each; NULL with a file.
+    /// Rectangle or box: cells along each axis, two triangles or six tetrahedra each; NULL with a file.
     pub cells: *const u64,
     /// Rectangle: ratio of the largest to the smallest cell along each axis, both ends refined; NULL
     /// with a file.
@@ -128,7 +128,15 @@ impl View {
                 cells,
                 diagonals,
                 grading,
-            } => (None, Some((lower, upper, cells, *diagonals, grading))),
+            } => (None, Some((lower, upper, cells, *diagonals, &grading[..]))),
+            MeshSource::Box {
+                lower,
+                upper,
+                cells,
+            } => {
+                let alike = (Diagonals::Uniform, &[1.0; 3][..]);
+                (None, Some((lower, upper, cells, alike.0, alike.1)))
+            }
         };
         let cells: Vec<u64> = rectangle.map_or_else(Vec::new, |(_, _, cells, ..)| {
             cells.iter().map(|&cells| cells as u64).collect()
@@ -202,7 +210,7 @@ fn plain(scene: &scene::FluidScene) -> FluidScene {
         mesh_surfaces: std::ptr::null(),
         mesh_scale: match scene.mesh {
             MeshSource::File { scale, .. } => scale,
-            MeshSource::Rectangle { .. } => 1.0,
+            MeshSource::Rectangle { .. } | MeshSource::Box { .. } => 1.0,
         },
         refinement: std::ptr::null(),
     }
@@ -212,7 +220,7 @@ fn plain(scene: &scene::FluidScene) -> FluidScene {
 fn surfaces(mesh: &MeshSource) -> (Vec<CString>, Vec<*const c_char>) {
     let names: Vec<CString> = match mesh {
         MeshSource::File { surfaces, .. } => surfaces.iter().map(|name| c_text(name)).collect(),
-        MeshSource::Rectangle { .. } => Vec::new(),
+        MeshSource::Rectangle { .. } | MeshSource::Box { .. } => Vec::new(),
     };
     let places = names.iter().map(|name| name.as_ptr()).collect();
     (names, places)

@@ -23,6 +23,7 @@ use std::time::Instant;
 use protocol::field::{Field, Support};
 use protocol::message::{Diagnostic, Hello, ToOrchestrator};
 use protocol::monitor::Event;
+use protocol::monitor::columns::Kind;
 use protocol::scene::Geometry;
 use scene::{Error, Scene, plan};
 
@@ -103,7 +104,7 @@ impl RunFolder {
             std::fs::create_dir_all(&folder).map_err(Error::file("cannot create", &folder))?;
         }
         file::write(&path.join("scene.toml"), &scene.text)?;
-        let steps = Steps::create(path.join("steps.csv"), is_of_disks(scene))?;
+        let steps = Steps::create(path.join("steps.csv"), kind(scene))?;
         Ok(RunFolder::with(path, scene, steps))
     }
 
@@ -118,7 +119,7 @@ impl RunFolder {
         // Later checkpoints first: they say what is about to be cut off.
         checkpoint::forget_after(path, *step)?;
         let table = outputs.steps.clone();
-        let steps = Steps::resume(path.join("steps.csv"), is_of_disks(scene), table)?;
+        let steps = Steps::resume(path.join("steps.csv"), kind(scene), table)?;
         let mut folder = RunFolder::with(path, scene, steps);
         folder.fluid_series = Series::resume(path.join("fluid.pvd"), outputs.fluid.clone())?;
         folder.grain_series = Series::resume(path.join("grains.pvd"), outputs.grains.clone())?;
@@ -141,7 +142,7 @@ impl RunFolder {
         RunFolder {
             path: path.to_path_buf(),
             dimension: scene.dimension(),
-            disks: is_of_disks(scene),
+            disks: kind(scene) == Kind::Disks,
             fields: scene.output.fields.clone(),
             steps,
             fluid_series: Series::new(path.join("fluid.pvd")),
@@ -364,8 +365,12 @@ impl RunFolder {
     }
 }
 
-fn is_of_disks(scene: &Scene) -> bool {
-    scene.coupler.geometry == Geometry::Disk
+fn kind(scene: &Scene) -> Kind {
+    match (scene.dimension(), scene.coupler.geometry) {
+        (2, Geometry::Disk) => Kind::Disks,
+        (2, Geometry::Sphere { .. }) => Kind::Slab,
+        _ => Kind::Space,
+    }
 }
 
 fn values(fields: &[(Field, Vec<f64>)], wanted: Field) -> Option<&[f64]> {

@@ -6,7 +6,7 @@ use std::os::unix::fs::{FileExt, MetadataExt};
 use std::path::PathBuf;
 
 use protocol::message::Diagnostic;
-use protocol::monitor::columns;
+use protocol::monitor::columns::{self, Kind};
 use scene::Error;
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +15,7 @@ use crate::disk::Disk;
 /// The table of the steps.
 pub struct Steps {
     path: PathBuf,
-    disks: bool,
+    kind: Kind,
     file: File,
     table: Table,
 }
@@ -73,20 +73,19 @@ const SUMMED: [&str; 5] = [
 ];
 
 impl Steps {
-    /// An empty table; the first row names the columns, and their units go to a file beside it. `disks`:
-    /// numbers of grains are per metre of depth.
-    pub fn create(path: PathBuf, disks: bool) -> Result<Self, Error> {
+    /// An empty table; the first row names the columns, and their units go to a file beside it.
+    pub fn create(path: PathBuf, kind: Kind) -> Result<Self, Error> {
         let file = File::create(&path).map_err(Error::file("cannot write", &path))?;
         Ok(Steps {
             path,
-            disks,
+            kind,
             file,
             table: Table::default(),
         })
     }
 
     /// The table up to where it was kept; rows after that are cut off.
-    pub fn resume(path: PathBuf, disks: bool, table: Table) -> Result<Self, Error> {
+    pub fn resume(path: PathBuf, kind: Kind, table: Table) -> Result<Self, Error> {
         let file = File::options().write(true).open(&path);
         let file = file.map_err(Error::file("cannot write", &path))?;
         let length = file
@@ -104,7 +103,7 @@ impl Steps {
             .map_err(Error::file("cannot cut", &path))?;
         Ok(Steps {
             path,
-            disks,
+            kind,
             file,
             table,
         })
@@ -172,7 +171,7 @@ impl Steps {
     /// `steps.units.csv`: column and unit; "–" where there is none, nothing where only the engine knows.
     fn write_units(&self, disk: &Disk) -> Result<(), Error> {
         let unit = |name: &String| {
-            let unit = columns::unit(name, self.disks).unwrap_or_default();
+            let unit = columns::unit(name, self.kind).unwrap_or_default();
             format!("{name},{unit}\n")
         };
         let rows: String = self.table.columns.iter().map(unit).collect();

@@ -56,7 +56,7 @@ pub struct CouplerScene {
     /// Cells where the flow bends, beside them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub indicator: Option<Indicator>,
-    /// CSV with the initial grains: x,y,radius,density,vx,vy,fixed; relative to the run folder.
+    /// CSV with the initial grains: x,y,radius,density,vx,vy,fixed, in space with z and vz; relative to the run folder.
     pub grains_file: Option<String>,
     /// Coupling scheme.
     pub scheme: Scheme,
@@ -200,7 +200,7 @@ pub enum DragLaw {
 pub enum Geometry {
     /// A disk, per metre of depth: A = 2r, V = πr².
     Disk,
-    /// A sphere in a slab of this depth: A = πr², V = 4/3 πr³.
+    /// A sphere in a slab of this depth: A = πr², V = 4/3 πr³. Of space, which is no slab, with depth 1.
     Sphere {
         /// Depth of the slab (m).
         #[schemars(extend("exclusiveMinimum" = 0))]

@@ -72,6 +72,16 @@ impl FluidScene {
             fits(d, "mesh.rectangle.cells", cells)?;
             fits(d, "mesh.rectangle.grading", grading)?;
         }
+        if let MeshSource::Box {
+            lower,
+            upper,
+            cells,
+        } = &self.mesh
+        {
+            fits(d, "mesh.box.lower", lower)?;
+            fits(d, "mesh.box.upper", upper)?;
+            fits(d, "mesh.box.cells", cells)?;
+        }
         if let Some(refinement) = &self.refinement {
             let checked = refinement.check(d);
             checked.map_err(|why| format!("refinement: {why}"))?;
@@ -101,16 +111,25 @@ pub enum MeshSource {
         /// Ratio of the largest to the smallest cell along each axis (both ends refined); 1: uniform.
         grading: Vec<f64>,
     },
-    /// A Gmsh file, 2.2 or 4.1 (crate `gmsh`).
+    /// A Gmsh file, 2.2 or 4.1 (crate `gmsh`), of triangles or, in space, tetrahedra.
     File {
         /// Path, absolute or relative to the scene.
         path: String,
         /// Metres of a unit of the file.
         #[serde(default = "metres")]
         scale: f64,
-        /// Surfaces that are filled, by name or number; none: the only one.
+        /// Surfaces, in space volumes, that are filled, by name or number; none: the only one.
         #[serde(default)]
         surfaces: Vec<String>,
+    },
+    /// A box of space cut into cells, each into six tetrahedra. Boundaries: left, right, bottom, top, back, front.
+    Box {
+        /// Lower corner \[m\].
+        lower: Vec<f64>,
+        /// Upper corner \[m\].
+        upper: Vec<f64>,
+        /// Cells along each axis.
+        cells: Vec<usize>,
     },
 }
 

@@ -71,20 +71,17 @@ pub struct Wall {
 }
 
 impl Wall {
-    /// The segment from `a` to `b`, a wall in the plane.
-    pub fn segment(a: [f64; 2], b: [f64; 2]) -> Wall {
+    /// The wall with these corners, which may move along itself.
+    pub fn of<const D: usize>(corners: &[[f64; D]; D], velocity: Option<[f64; D]>) -> Wall {
         Wall {
-            corners: vec![a.to_vec(), b.to_vec()],
-            velocity: None,
+            corners: corners.iter().map(|corner| corner.to_vec()).collect(),
+            velocity: velocity.map(Vec::from),
         }
     }
 
-    /// The same, moving along itself.
-    pub fn moving(self, velocity: Option<[f64; 2]>) -> Wall {
-        Wall {
-            velocity: velocity.map(Vec::from),
-            ..self
-        }
+    /// The segment from `a` to `b`, a wall in the plane.
+    pub fn segment(a: [f64; 2], b: [f64; 2]) -> Wall {
+        Wall::of(&[a, b], None)
     }
 
     /// From a point to the nearest point of the wall \[m\].
@@ -127,8 +124,9 @@ fn to_plane(point: &[f64], a: &[f64], b: &[f64], c: &[f64]) -> Option<f64> {
     let scale = uu * vv - uv * uv;
     let (s, t) = ((du * vv - dv * uv) / scale, (dv * uu - du * uv) / scale);
     let within = s >= 0.0 && t >= 0.0 && s + t <= 1.0;
-    let foot = s * du + t * dv;
-    within.then(|| (dot(&away, &away) - foot).max(0.0).sqrt())
+    let foot = u.iter().zip(&v).map(|(u, v)| s * u + t * v);
+    let rest = away.iter().zip(foot).map(|(away, foot)| away - foot);
+    within.then(|| rest.fold(0.0, f64::hypot))
 }
 
 #[cfg(test)]
@@ -151,5 +149,9 @@ mod tests {
         assert_eq!(triangle.distance(&[1.0, 1.0, 3.0]), 2.0);
         assert_eq!(triangle.distance(&[1.0, -3.0, 5.0]), 5.0);
         assert_eq!(triangle.distance(&[0.0, 0.0, 1.0]), 0.0);
+        // A point of a plane is on it to round-off, not to its root.
+        let third = [-0.1, 0.4, 0.3].map(|x| x / 3.0);
+        let oblique = Wall::of(&[[-0.1, 0.1, 0.0], [0.2, 0.0, 0.1], [-0.2, 0.3, 0.2]], None);
+        assert!(oblique.distance(&third) < 1e-16);
     }
 }
