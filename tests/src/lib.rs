@@ -13,6 +13,7 @@ use protocol::scene::{
     NearGrains, Nonlinear, ParticleScene, Refinement, Scheme, TimeScheme, ViscousForm, Wall,
 };
 use recording::Recorder;
+use space::{Dim, Dimension};
 use tracing_subscriber::filter::Targets;
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
@@ -20,6 +21,7 @@ use tracing_subscriber::util::SubscriberInitExt;
 pub mod arguments;
 pub mod exchange;
 pub mod grains;
+pub mod in_space;
 pub mod inputs;
 pub mod meshes;
 pub mod recorded;
@@ -183,6 +185,11 @@ pub fn couple(scene: CouplerScene, grains: &InitialGrains) -> Simulation<2, 3> {
     couple_recorded(scene, grains, None)
 }
 
+/// The same in space.
+pub fn couple_in_space(scene: CouplerScene, grains: &InitialGrains) -> Simulation<3, 4> {
+    simulation(scene, grains, None)
+}
+
 /// One of our engines on a thread, its link recorded when there is a recorder.
 pub fn engine(role: Role, recorder: Option<&Recorder>) -> Partner {
     let link = match role {
@@ -207,6 +214,17 @@ pub fn couple_recorded(
     grains: &InitialGrains,
     recorder: Option<&Recorder>,
 ) -> Simulation<2, 3> {
+    simulation(scene, grains, recorder)
+}
+
+fn simulation<const D: usize, const N: usize>(
+    scene: CouplerScene,
+    grains: &InitialGrains,
+    recorder: Option<&Recorder>,
+) -> Simulation<D, N>
+where
+    Dim<D>: Dimension<D>,
+{
     // SILLAGE_LOG=coupler=debug shows passes.
     let asked = std::env::var("SILLAGE_LOG").unwrap_or("error".to_owned());
     let targets: Targets = asked.parse().expect("levels of targets");
@@ -226,7 +244,10 @@ pub fn couple_recorded(
 }
 
 /// Nodal pressure of the accepted state \[Pa\].
-pub fn pressure(coupling: &mut Simulation<2, 3>) -> Vec<f64> {
+pub fn pressure<const D: usize, const N: usize>(coupling: &mut Simulation<D, N>) -> Vec<f64>
+where
+    Dim<D>: Dimension<D>,
+{
     let (fluid, _) = coupling.system.seats_mut();
     let seat = fluid.expect("a fluid");
     seat.pressure().expect("the engine tells it").to_vec()

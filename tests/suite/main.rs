@@ -14,4 +14,5 @@ mod packing;
 mod replay;
 mod settling;
 mod showcase;
+mod spheres;
 mod walls;

@@ -119,8 +119,9 @@ fn on_a_floor(floor: &str, more: &str) -> (CouplerScene, InitialGrains) {
     assert_eq!(validator::complaint(&document), None);
     let scene = scene::from_document(&document, 1).unwrap_or_else(|error| panic!("{error}"));
     println!("{:?}", scene.warnings);
-    let mut grains = disks(&scene.grains.position, &scene.grains.radius, 1000.0);
-    grains.velocity = scene.grains.velocity.as_flattened().to_vec();
+    let (places, _) = scene.grains.position.as_chunks();
+    let mut grains = disks(places, &scene.grains.radius, 1000.0);
+    grains.velocity.clone_from(&scene.grains.velocity);
     (scene.coupler, grains)
 }
 

@@ -197,8 +197,8 @@ fn grains(scene: &Scene) -> InitialGrains {
     let volume: Vec<f64> = table.radius.iter().map(volume).collect();
     InitialGrains {
         dimension: scene.coupler.dimension,
-        position: table.position.as_flattened().to_vec(),
-        velocity: table.velocity.as_flattened().to_vec(),
+        position: table.position.clone(),
+        velocity: table.velocity.clone(),
         radius: table.radius.clone(),
         mass: volume
             .iter()

@@ -5,15 +5,12 @@ use std::collections::BTreeMap;
 use protocol::scene::{Boundary, Profile};
 
 use crate::check::Checker;
-use crate::keys::Rectangle;
+use crate::dimensions::{AXES, Cells, sides};
 use crate::read::nearest;
 
-/// Sides of a rectangle: the names of its boundaries.
-pub const SIDES: [&str; 4] = ["left", "right", "bottom", "top"];
-
 /// A condition for each of `names`; refuses unknown names and names without a condition.
-pub fn by_name(
-    keys: &BTreeMap<String, Boundary<[f64; 2]>>,
+pub fn by_name<const D: usize>(
+    keys: &BTreeMap<String, Boundary<[f64; D]>>,
     names: &[String],
     checker: &mut Checker<'_>,
 ) -> BTreeMap<String, Boundary> {
@@ -50,15 +47,15 @@ pub fn by_name(
     boundaries
 }
 
-/// What a rectangle adds: periodic sides come in pairs, and what flows in must leave.
-pub fn check_rectangle(
+/// What a rectangle or box adds: periodic sides come in pairs, and what flows in must leave.
+pub fn check_box<const D: usize>(
     boundaries: &BTreeMap<String, Boundary>,
-    rectangle: &Rectangle,
+    cells: &Cells<D>,
     checker: &mut Checker<'_>,
 ) {
-    for (one, other) in [("left", "right"), ("bottom", "top")] {
+    for pair in sides::<D>().chunks_exact(2) {
         let periodic = |name| boundaries.get(name) == Some(&Boundary::Periodic);
-        for (lonely, partner) in [(one, other), (other, one)] {
+        for (lonely, partner) in [(pair[0], pair[1]), (pair[1], pair[0])] {
             if periodic(lonely) && !periodic(partner) {
                 checker.refuse(
                     &format!("fluid.boundaries.{lonely}"),
@@ -70,12 +67,13 @@ pub fn check_rectangle(
     let open = boundaries
         .values()
         .any(|boundary| matches!(boundary, Boundary::Open { .. }));
-    let (net, largest) = net_inflow(boundaries, rectangle);
+    let (net, largest) = net_inflow(boundaries, cells);
     if !open && net.abs() > 1e-12 * largest {
+        let power = ["²", "³"][D - 2];
         checker.refuse(
             "fluid.boundaries",
             format!(
-                "{net:e} m²/s flow in and nothing lets them out: open a boundary \
+                "{net:e} m{power}/s flow in and nothing lets them out: open a boundary \
                  ({{ open = {{ pressure = 0.0 }} }}), or balance the inflows"
             ),
         );
@@ -101,28 +99,30 @@ pub fn warn_of_aspect(
     }
 }
 
-/// Warn of the flattest cell of a rectangle.
-pub fn warn_of_cells(rectangle: &Rectangle, checker: &mut Checker<'_>) {
-    let [x, y] = [0, 1].map(|axis| cell_sizes(rectangle, axis));
-    let (wide, high) = (x[1] / y[0], y[1] / x[0]);
-    warn_of_aspect("fluid.domain.rectangle", wide.max(high), checker, || {
-        let cell = if wide > high {
-            [x[1], y[0]]
-        } else {
-            [x[0], y[1]]
-        };
-        format!("a cell of {:.3e} × {:.3e} m", cell[0], cell[1])
+/// Warn of the flattest cell of a rectangle or box.
+pub fn warn_of_cells<const D: usize>(cells: &Cells<D>, checker: &mut Checker<'_>) {
+    let sizes: [[f64; 2]; D] = std::array::from_fn(|axis| cell_sizes(cells, axis));
+    let pairs = (0..D).flat_map(|long| (0..D).map(move |short| (long, short)));
+    let aspect = |&(long, short): &(usize, usize)| sizes[long][1] / sizes[short][0];
+    let pairs = pairs.filter(|(long, short)| long != short);
+    let Some((long, short)) = pairs.max_by(|a, b| aspect(a).total_cmp(&aspect(b))) else {
+        return;
+    };
+    warn_of_aspect(cells.key, aspect(&(long, short)), checker, || {
+        let edge = |axis: usize| sizes[axis][usize::from(axis != short)];
+        let edges: Vec<String> = (0..D).map(|axis| format!("{:.3e}", edge(axis))).collect();
+        format!("a cell of {} m", edges.join(" × "))
     });
 }
 
 /// Smallest and largest cell along an axis: cell k from the nearer end has the size s·r^(k/m), m the middle
 /// cell, r the grading.
-fn cell_sizes(rectangle: &Rectangle, axis: usize) -> [f64; 2] {
-    let (count, grading) = (rectangle.cells[axis], rectangle.grading[axis]);
+fn cell_sizes<const D: usize>(cells: &Cells<D>, axis: usize) -> [f64; 2] {
+    let (count, grading) = (cells.cells[axis], cells.grading[axis]);
     let middle = (count.saturating_sub(1) / 2).max(1) as f64;
     let size = |k: usize| grading.powf(k.min(count - 1 - k) as f64 / middle);
     let sum: f64 = (0..count).map(size).sum();
-    let unit = (rectangle.upper[axis] - rectangle.lower[axis]) / sum;
+    let unit = (cells.upper[axis] - cells.lower[axis]) / sum;
     [unit, unit * size(count / 2)]
 }
 
@@ -132,35 +132,44 @@ pub fn check_mesh(boundaries: &BTreeMap<String, Boundary>, checker: &mut Checker
         if *boundary == Boundary::Periodic {
             checker.refuse(
                 &format!("fluid.boundaries.{name}"),
-                "periodic is for the sides of a rectangle, not for a mesh",
+                "periodic is for the sides of a rectangle or box, not for a mesh",
             );
         }
     }
 }
 
-/// Net inflow \[m²/s\] through the sides, and the sum of its absolute parts.
-fn net_inflow(boundaries: &BTreeMap<String, Boundary>, rectangle: &Rectangle) -> (f64, f64) {
-    let width = rectangle.upper[0] - rectangle.lower[0];
-    let height = rectangle.upper[1] - rectangle.lower[1];
+/// Net inflow \[m²/s, m³/s\] through the sides, and the sum of its absolute parts.
+fn net_inflow<const D: usize>(
+    boundaries: &BTreeMap<String, Boundary>,
+    cells: &Cells<D>,
+) -> (f64, f64) {
     let mut net = 0.0;
     let mut largest = 0.0;
-    for (name, inward, length) in [
-        ("left", [1.0, 0.0], height),
-        ("right", [-1.0, 0.0], height),
-        ("bottom", [0.0, 1.0], width),
-        ("top", [0.0, -1.0], width),
-    ] {
-        if let Some(Boundary::Inflow { velocity, profile }) = boundaries.get(name) {
-            // The mean of a parabola is two thirds of its maximum.
-            let mean = if *profile == Profile::Parabolic {
-                2.0 / 3.0
-            } else {
-                1.0
-            };
-            let flow = mean * length * (velocity[0] * inward[0] + velocity[1] * inward[1]);
+    for (side, name) in sides::<D>().iter().enumerate() {
+        let (axis, inward) = (side / 2, [1.0, -1.0][side % 2]);
+        let others = (0..D).filter(|&other| other != axis);
+        let size: f64 = others
+            .map(|other| cells.upper[other] - cells.lower[other])
+            .product();
+        if let Some(Boundary::Inflow { velocity, profile }) = boundaries.get(*name) {
+            let flow = mean_of(*profile, D) * size * velocity[axis] * inward;
             net += flow;
             largest += flow.abs();
         }
     }
     (net, largest)
+}
+
+/// The mean of a profile, of its maximum: of a parabola two thirds, in space one along each of two directions.
+pub fn mean_of(profile: Profile, dimension: usize) -> f64 {
+    match (profile, dimension) {
+        (Profile::Uniform, _) => 1.0,
+        (Profile::Parabolic, 2) => 2.0 / 3.0,
+        (Profile::Parabolic, _) => 4.0 / 9.0,
+    }
+}
+
+/// Name of an axis, with what is told of one that a scene has.
+pub fn axes<const D: usize>() -> impl Iterator<Item = (usize, &'static str)> {
+    AXES.into_iter().take(D).enumerate()
 }

@@ -4,15 +4,20 @@ use protocol::field::{Field, Support};
 use protocol::monitor::columns;
 use protocol::scene::{AdaptiveStep, Geometry, MeanFlow, Nonlinear, Scheme};
 
+use space::{Dim, Dimension, Vector, hypot};
+
+use crate::boundaries::axes;
+use crate::dimensions::{Cells, Scenic};
 use crate::document::Document;
 use crate::keys::{
-    Contact, Coupling, DENSEST, Fluid, GrainDomain, LimitKeys, Rectangle, SceneFile,
+    Arrangement, Contact, Coupling, Domain, Fluid, GrainDomain, LimitKeys, Numbers, SceneFile,
 };
-use crate::keys::{Grains, Radius, WallSegment};
+use crate::keys::{Grains, Radius, SIDES, WallKeys};
 use crate::memory;
 use crate::problem::Problem;
 use crate::read::nearest;
 use crate::record;
+use crate::walls::is_along;
 
 /// Collects the problems of a scene.
 pub struct Checker<'a> {
@@ -74,11 +79,11 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn corners(&mut self, key: &str, lower: [f64; 2], upper: [f64; 2]) {
-        self.finite(&format!("{key}.lower"), &lower);
-        self.finite(&format!("{key}.upper"), &upper);
+    fn corners<const D: usize>(&mut self, key: &str, lower: &[f64; D], upper: &[f64; D]) {
+        self.finite(&format!("{key}.lower"), lower);
+        self.finite(&format!("{key}.upper"), upper);
         self.measurable(&format!("{key}.upper"), lower, upper);
-        for (axis, name) in ["x", "y"].iter().enumerate() {
+        for (axis, name) in axes::<D>() {
             if lower[axis] >= upper[axis] {
                 let (low, high) = (lower[axis], upper[axis]);
                 self.refuse(
@@ -90,9 +95,9 @@ impl<'a> Checker<'a> {
     }
 
     /// Lengths have squares.
-    fn measurable(&mut self, key: &str, from: [f64; 2], to: [f64; 2]) {
-        let sizes = [0, 1].map(|axis| (to[axis] - from[axis]).abs());
-        let longest = sizes[0].max(sizes[1]);
+    fn measurable<const D: usize>(&mut self, key: &str, from: &[f64; D], to: &[f64; D]) {
+        let sizes = (0..D).map(|axis| (to[axis] - from[axis]).abs());
+        let longest = sizes.fold(0.0, f64::max);
         if longest > 0.0 && !(longest * longest).is_normal() {
             let why = format!("is {longest:e} m from the other end: its square is no number");
             self.refuse(key, why);
@@ -100,7 +105,10 @@ impl<'a> Checker<'a> {
     }
 
     /// Every range of a scene.
-    pub fn scene(&mut self, scene: &SceneFile) {
+    pub fn scene<const D: usize>(&mut self, scene: &SceneFile<D>)
+    where
+        Dim<D>: Scenic<D>,
+    {
         self.positive("run.end_time", scene.run.end_time, " s");
         self.positive("run.coupling_step", scene.run.coupling_step, " s");
         if let Some(step_min) = scene.run.step_min {
@@ -137,7 +145,7 @@ impl<'a> Checker<'a> {
             self.contact(contact);
         }
         if let Some(coupling) = &scene.coupling {
-            self.coupling(coupling);
+            self.coupling(coupling, D);
         }
         self.output(scene);
         self.record(scene);
@@ -146,27 +154,43 @@ impl<'a> Checker<'a> {
         self.engines(scene);
     }
 
-    fn wall(&mut self, key: &str, wall: &WallSegment) {
-        self.finite(&format!("{key}.from"), &wall.from);
-        self.finite(&format!("{key}.to"), &wall.to);
-        self.measurable(&format!("{key}.to"), wall.from, wall.to);
-        let [x, y] = [0, 1].map(|axis| wall.to[axis] - wall.from[axis]);
-        if [x, y] == [0.0; 2] {
-            self.refuse(&format!("{key}.to"), "must differ from the start, `from`");
+    fn wall<const D: usize>(&mut self, key: &str, wall: &WallKeys<D>)
+    where
+        Dim<D>: Scenic<D>,
+    {
+        let ends = [("from", &wall.from), ("to", &wall.to)];
+        for (name, end) in ends {
+            self.finite(
+                &format!("{key}.{name}"),
+                end.as_ref().map_or(&[], |end| &end.0),
+            );
         }
-        let Some(velocity) = wall.velocity else {
+        for (number, corner) in wall.corners.iter().enumerate() {
+            self.finite(&format!("{key}.corners[{number}]"), &corner.0);
+        }
+        if let (Some(from), Some(to)) = (&wall.from, &wall.to) {
+            self.measurable(&format!("{key}.to"), &from.0, &to.0);
+        }
+        let facets = match Dim::<D>::wall(wall) {
+            Ok(facets) => facets,
+            Err((name, why)) => return self.refuse(&format!("{key}.{name}"), why),
+        };
+        let Some(Numbers(velocity)) = &wall.velocity else {
             return;
         };
         let key = format!("{key}.velocity");
-        self.finite(&key, &velocity);
-        let across = (velocity[0] * y - velocity[1] * x).abs();
-        if across > 1e-6 * f64::hypot(velocity[0], velocity[1]) * f64::hypot(x, y) {
+        self.finite(&key, velocity);
+        let leads_across = |corners: &[[f64; D]; D]| {
+            let normal = Dim::<D>::inward_normal(&corners.map(Vector::from));
+            !is_along(velocity, &(normal / hypot(&normal)))
+        };
+        if facets.iter().any(leads_across) {
             self.refuse(&key, "must lead along the wall, which stays where it is");
         }
     }
 
     /// What must be there for what is there.
-    fn parts_present(&mut self, scene: &SceneFile) {
+    fn parts_present<const D: usize>(&mut self, scene: &SceneFile<D>) {
         if scene.fluid.is_none() && scene.grains.is_empty() {
             self.refuse("", "nothing to compute: write [fluid], [[grains]] or both");
         }
@@ -186,11 +210,14 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn fluid(&mut self, fluid: &Fluid) {
+    fn fluid<const D: usize>(&mut self, fluid: &Fluid<D>)
+    where
+        Dim<D>: Scenic<D>,
+    {
         self.positive("fluid.density", fluid.density, " kg/m³");
         self.positive("fluid.dynamic_viscosity", fluid.dynamic_viscosity, " Pa s");
-        self.finite("fluid.initial_velocity", &fluid.initial_velocity);
-        if let Some(MeanFlow::Velocity(velocity)) = &fluid.mean_flow {
+        self.finite("fluid.initial_velocity", &fluid.initial_velocity.0);
+        if let Some(MeanFlow::Velocity(Numbers(velocity))) = &fluid.mean_flow {
             self.finite("fluid.mean_flow.velocity", velocity);
         }
         if let Some(factor) = fluid.grad_div {
@@ -204,27 +231,7 @@ impl<'a> Checker<'a> {
             self.tolerance("fluid.nonlinear.newton.tolerance", tolerance);
             self.at_least_one("fluid.nonlinear.newton.iterations_max", iterations_max);
         }
-        match (&fluid.domain.rectangle, &fluid.domain.mesh) {
-            (Some(rectangle), None) => {
-                self.rectangle(rectangle);
-                if fluid.domain.scale.is_some() || !fluid.domain.surfaces.is_empty() {
-                    self.refuse(
-                        "fluid.domain",
-                        "scale and surfaces are for a mesh: leave them out",
-                    );
-                }
-            }
-            (None, Some(_)) => {
-                if let Some(scale) = fluid.domain.scale {
-                    self.positive(
-                        "fluid.domain.scale",
-                        scale,
-                        " (metres of a unit of the file)",
-                    );
-                }
-            }
-            _ => self.refuse("fluid.domain", "write exactly one of rectangle and mesh"),
-        }
+        self.domain::<D>(&fluid.domain);
         for (name, boundary) in &fluid.boundaries {
             if let Some((place, numbers)) = boundary.numbers() {
                 self.finite(&format!("fluid.boundaries.{name}.{place}"), numbers);
@@ -232,17 +239,57 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn rectangle(&mut self, rectangle: &Rectangle) {
-        let key = "fluid.domain.rectangle";
-        self.corners(key, rectangle.lower, rectangle.upper);
-        if rectangle.cells.contains(&0) {
-            self.refuse(&format!("{key}.cells"), "must be 1 or more in x and y");
+    fn domain<const D: usize>(&mut self, domain: &Domain)
+    where
+        Dim<D>: Scenic<D>,
+    {
+        let given = [
+            domain.rectangle.is_some(),
+            domain.cells.is_some(),
+            domain.mesh.is_some(),
+        ];
+        if given.iter().filter(|&&given| given).count() != 1 {
+            return self.refuse(
+                "fluid.domain",
+                "write exactly one of rectangle, box and mesh",
+            );
         }
-        let nodes = rectangle.cells.map(|count| count as f64 + 1.0);
-        if let Some(why) = memory::refusal("nodes", nodes[0] * nodes[1], memory::NODE) {
+        if let Some(scale) = domain.scale.filter(|_| domain.mesh.is_some()) {
+            self.positive(
+                "fluid.domain.scale",
+                scale,
+                " (metres of a unit of the file)",
+            );
+        }
+        if domain.mesh.is_none() && (domain.scale.is_some() || !domain.surfaces.is_empty()) {
+            self.refuse(
+                "fluid.domain",
+                "scale and surfaces are for a mesh: leave them out",
+            );
+        }
+        if let Some(cells) = Dim::<D>::cells(domain) {
+            self.cells(&cells);
+        }
+    }
+
+    fn cells<const D: usize>(&mut self, cells: &Cells<D>) {
+        let key = cells.key;
+        self.corners(key, &cells.lower, &cells.upper);
+        if cells.cells.contains(&0) {
+            let names: Vec<&str> = axes::<D>().map(|(_, name)| name).collect();
+            let names = names
+                .join(", ")
+                .replace("x, y", if D == 2 { "x and y" } else { "x, y" });
+            self.refuse(
+                &format!("{key}.cells"),
+                format!("must be 1 or more in {names}"),
+            );
+        }
+        let nodes = cells.cells.iter().map(|&count| count as f64 + 1.0);
+        if let Some(why) = memory::refusal("nodes", nodes.product(), memory::NODE) {
             self.refuse(&format!("{key}.cells"), why);
         }
-        if rectangle
+        if cells
             .grading
             .iter()
             .any(|&ratio| !(ratio >= 1.0 && ratio.is_finite()))
@@ -254,11 +301,21 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn grain_domain(&mut self, domain: &GrainDomain) {
-        self.corners("particles.domain", domain.lower, domain.upper);
+    fn grain_domain<const D: usize>(&mut self, domain: &GrainDomain<D>) {
+        self.corners("particles.domain", &domain.lower, &domain.upper);
+        for (index, side) in domain.open.iter().enumerate() {
+            if !SIDES[..2 * D].contains(side) {
+                let known: Vec<&str> = SIDES[..2 * D].iter().map(|side| side.name()).collect();
+                let why = format!("is no side here (allowed: {})", known.join(", "));
+                self.refuse(&format!("particles.domain.open[{index}]"), why);
+            }
+        }
     }
 
-    fn population(&mut self, key: &str, grains: &Grains) {
+    fn population<const D: usize>(&mut self, key: &str, grains: &Grains<D>)
+    where
+        Dim<D>: Scenic<D>,
+    {
         let kinds = [
             grains.cloud.is_some(),
             grains.lattice.is_some(),
@@ -292,24 +349,31 @@ impl<'a> Checker<'a> {
             }
             (None, true) => {}
         }
-        self.finite(&format!("{key}.velocity"), &grains.velocity);
+        self.finite(&format!("{key}.velocity"), &grains.velocity.0);
         if let Some(cloud) = &grains.cloud {
             let key = format!("{key}.cloud");
             self.finite(&format!("{key}.centre"), &cloud.centre);
             self.positive(&format!("{key}.radius"), cloud.radius, " m");
-            self.amount(&key, cloud.solid_fraction, cloud.count);
+            if D > 2 && cloud.arrangement == Arrangement::Sunflower {
+                let key = format!("{key}.arrangement");
+                self.refuse(
+                    &key,
+                    "a sunflower is of the plane: in space write \"random\"",
+                );
+            }
+            self.amount::<D>(&key, cloud.solid_fraction, cloud.count);
         }
         if let Some(filled) = &grains.filled_box {
             let key = format!("{key}.box");
-            self.corners(&key, filled.lower, filled.upper);
-            self.amount(&key, filled.solid_fraction, filled.count);
+            self.corners(&key, &filled.lower, &filled.upper);
+            self.amount::<D>(&key, filled.solid_fraction, filled.count);
         }
         if let Some(lattice) = &grains.lattice {
             let key = format!("{key}.lattice");
-            self.corners(&key, lattice.lower, lattice.upper);
+            self.corners(&key, &lattice.lower, &lattice.upper);
             match (lattice.spacing, lattice.solid_fraction) {
                 (Some(spacing), None) => self.positive(&format!("{key}.spacing"), spacing, " m"),
-                (None, Some(fraction)) => self.fraction(&key, fraction),
+                (None, Some(fraction)) => self.fraction::<D>(&key, fraction),
                 _ => self.refuse(&key, "write exactly one of spacing and solid_fraction"),
             }
         }
@@ -331,19 +395,26 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn amount(&mut self, key: &str, fraction: Option<f64>, count: Option<usize>) {
+    fn amount<const D: usize>(&mut self, key: &str, fraction: Option<f64>, count: Option<usize>)
+    where
+        Dim<D>: Scenic<D>,
+    {
         match (fraction, count) {
-            (Some(fraction), None) => self.fraction(key, fraction),
+            (Some(fraction), None) => self.fraction::<D>(key, fraction),
             (None, Some(count)) => self.at_least_one(&format!("{key}.count"), count),
             _ => self.refuse(key, "write exactly one of solid_fraction and count"),
         }
     }
 
-    fn fraction(&mut self, key: &str, fraction: f64) {
-        if !(fraction > 0.0 && fraction < DENSEST) {
+    fn fraction<const D: usize>(&mut self, key: &str, fraction: f64)
+    where
+        Dim<D>: Scenic<D>,
+    {
+        let (densest, grains) = (Dim::<D>::DENSEST, Dim::<D>::GRAINS);
+        if !(fraction > 0.0 && fraction < densest) {
             self.refuse(
                 &format!("{key}.solid_fraction"),
-                format!("must be greater than 0 and less than {DENSEST}, the densest packing of equal disks"),
+                format!("must be greater than 0 and less than {densest}, the densest packing of equal {grains}"),
             );
         }
     }
@@ -358,7 +429,7 @@ impl<'a> Checker<'a> {
         self.at_least_one("contact.sub_steps_max", contact.sub_steps_max as usize);
     }
 
-    fn coupling(&mut self, coupling: &Coupling) {
+    fn coupling(&mut self, coupling: &Coupling, dimension: usize) {
         if let Some(Scheme::Iterated {
             tolerance,
             passes_max,
@@ -367,7 +438,12 @@ impl<'a> Checker<'a> {
             self.tolerance("coupling.scheme.iterated.tolerance", tolerance);
             self.at_least_one("coupling.scheme.iterated.passes_max", passes_max as usize);
         }
-        if let Geometry::Sphere { depth } = coupling.geometry {
+        if coupling.geometry.is_some() && dimension > 2 {
+            self.refuse(
+                "coupling.geometry",
+                "is of the plane: in space grains are spheres, leave it out",
+            );
+        } else if let Some(Geometry::Sphere { depth }) = coupling.geometry {
             self.positive("coupling.geometry.sphere.depth", depth, " m");
         }
         if let Some(AdaptiveStep {
@@ -389,7 +465,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn output(&mut self, scene: &SceneFile) {
+    fn output<const D: usize>(&mut self, scene: &SceneFile<D>) {
         if let Some(every) = scene.output.every {
             self.positive("output.every", every, " s");
             self.output_is_resolved(scene, every);
@@ -414,7 +490,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn record(&mut self, scene: &SceneFile) {
+    fn record<const D: usize>(&mut self, scene: &SceneFile<D>) {
         let file = scene.record.as_ref().map(|record| record.file.as_str());
         if let Some(Err(why)) = file.map(record::check_file) {
             self.refuse("record.file", why);
@@ -427,7 +503,7 @@ impl<'a> Checker<'a> {
         self.positive("limits.step", limits.step, " s");
     }
 
-    fn engines(&mut self, scene: &SceneFile) {
+    fn engines<const D: usize>(&mut self, scene: &SceneFile<D>) {
         let seats = [
             ("fluid", &scene.engines.fluid),
             ("particles", &scene.engines.particles),

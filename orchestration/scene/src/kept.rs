@@ -58,7 +58,7 @@ pub fn read(folder: &Path, kept: &Value) -> Result<Scene, Error> {
         .map_err(|error| refuse(&folder.join("scene.json"), error.to_string()))?;
     let grains = match &coupler.grains_file {
         None => GrainTable::default(),
-        Some(_) => of_run(&folder.join(GRAINS_FILE)).map_err(Error::Usage)?,
+        Some(_) => of_run(&folder.join(GRAINS_FILE), coupler.dimension).map_err(Error::Usage)?,
     };
     Ok(Scene {
         name: kept.name,

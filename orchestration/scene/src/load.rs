@@ -2,10 +2,14 @@
 
 use std::path::Path;
 
+use space::Dim;
+
 use crate::check::Checker;
+use crate::dimensions::Scenic;
 use crate::document::Document;
 use crate::error::Error;
-use crate::problem::Problems;
+use crate::keys::SceneFile;
+use crate::problem::{Problem, Problems};
 use crate::scene::Scene;
 use crate::{read, resolve};
 
@@ -17,7 +21,34 @@ pub fn load(path: &Path, settings: &[String], threads: usize) -> Result<Scene, E
 
 /// The same from a document in memory.
 pub fn from_document(document: &Document, threads: usize) -> Result<Scene, Error> {
-    let keys = read::read(document)?;
+    match read::dimension(document) {
+        3 => load_in::<3>(document, threads),
+        _ => load_in::<2>(document, threads),
+    }
+}
+
+/// Problems of the keys of a document, one by one, before anything is made of them; an error where it cannot be
+/// read at all.
+pub fn problems_of_keys(document: &Document) -> Result<Vec<Problem>, Error> {
+    fn of<const D: usize>(document: &Document) -> Result<Vec<Problem>, Error>
+    where
+        Dim<D>: Scenic<D>,
+    {
+        let mut checker = Checker::new(document);
+        checker.scene(&read::read::<D>(document)?);
+        Ok(checker.problems)
+    }
+    match read::dimension(document) {
+        3 => of::<3>(document),
+        _ => of::<2>(document),
+    }
+}
+
+fn load_in<const D: usize>(document: &Document, threads: usize) -> Result<Scene, Error>
+where
+    Dim<D>: Scenic<D>,
+{
+    let keys: SceneFile<D> = read::read(document)?;
     let mut checker = Checker::new(document);
     checker.scene(&keys);
     stop_at_problems(&mut checker)?;

@@ -4,37 +4,37 @@ use std::collections::BTreeMap;
 
 use protocol::scene::{Boundary, MeanFlow, TimeScheme};
 
-use crate::boundaries::SIDES;
+use crate::boundaries::axes;
 use crate::check::Checker;
-use crate::keys::{Fluid, SceneFile};
+use crate::keys::{Fluid, Numbers, SceneFile};
+use crate::walls::joined;
 
 const KEY: &str = "fluid.mean_flow";
 
 /// Refuse a mixture that falls for ever, and a mean flow that is not free to be given.
-pub fn check(
-    keys: &SceneFile,
-    fluid: &Fluid,
+pub fn check<const D: usize>(
+    keys: &SceneFile<D>,
+    fluid: &Fluid<D>,
     boundaries: &BTreeMap<String, Boundary>,
     checker: &mut Checker<'_>,
 ) {
-    let joined = |side: &str| boundaries.get(side) == Some(&Boundary::Periodic);
-    let axes = [joined(SIDES[0]), joined(SIDES[2])];
+    let joined: [bool; D] = joined(boundaries);
     let holds = |side: &Boundary| !matches!(side, Boundary::Periodic | Boundary::Slip);
     if !boundaries.values().any(holds) {
-        check_unheld(keys, fluid, axes, checker);
+        check_unheld(keys, fluid, joined, checker);
     }
     let Some(mean_flow) = fluid.mean_flow.filter(MeanFlow::is_steered) else {
         return;
     };
-    if axes == [false, false] {
+    if joined == [false; D] {
         checker.refuse(
             KEY,
             "no side is periodic, so what flows in says what flows through: leave it out",
         );
     }
-    if let MeanFlow::Velocity(velocity) = mean_flow {
-        for (axis, name) in ["x", "y"].iter().enumerate() {
-            if axes.contains(&true) && !axes[axis] && velocity[axis] != 0.0 {
+    if let MeanFlow::Velocity(Numbers(velocity)) = mean_flow {
+        for (axis, name) in axes::<D>() {
+            if joined.contains(&true) && !joined[axis] && velocity[axis] != 0.0 {
                 let message = format!("{name} must be 0: the sides across it are not periodic");
                 checker.refuse(&format!("{KEY}.velocity"), message);
             }
@@ -44,9 +44,14 @@ pub fn check(
 
 /// All sides are periodic, or let the mixture slip: nothing but the scene says what it does along the
 /// periodic axes on the whole.
-fn check_unheld(keys: &SceneFile, fluid: &Fluid, axes: [bool; 2], checker: &mut Checker<'_>) {
+fn check_unheld<const D: usize>(
+    keys: &SceneFile<D>,
+    fluid: &Fluid<D>,
+    axes: [bool; D],
+    checker: &mut Checker<'_>,
+) {
     let gravity = keys.gravity.acceleration;
-    let falls = (0..2).any(|axis| axes[axis] && gravity[axis] != 0.0);
+    let falls = (0..D).any(|axis| axes[axis] && gravity[axis] != 0.0);
     if falls && fluid.mean_flow.is_none() {
         checker.refuse(
             KEY,

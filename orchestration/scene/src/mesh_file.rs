@@ -4,16 +4,49 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use gmsh::{Border, Options, survey};
-use protocol::scene::{Boundary, MeshSource, Profile};
-use space::{Dim, Dimension, hypot};
+use protocol::scene::{Boundary, MeshSource, Profile, fixed};
+use space::{Dim, Dimension, Vector, dot, hypot, simplex};
 
-use crate::boundaries;
+use crate::boundaries::{self, mean_of};
 use crate::check::Checker;
+use crate::dimensions::Scenic;
 use crate::keys::{Domain, Fluid};
-use crate::outline::Edge;
+use crate::outline::Facet;
 
-/// A mesh in the plane.
-pub type Mesh = gmsh::Mesh<2, 3>;
+/// What a scene needs to know of a mesh.
+#[derive(Debug, Clone)]
+pub struct Mesh<const D: usize> {
+    /// Coordinates of each node \[m\].
+    position: Vec<Vector<D>>,
+    /// The boundary.
+    borders: Vec<Border<D>>,
+    /// What was read otherwise than written.
+    notes: Vec<String>,
+    /// Longest side over shortest height, and the number of that element.
+    aspect: (f64, u64),
+    /// Edge of a cube as large as D! of its largest simplex \[m\].
+    pub largest_cell: f64,
+}
+
+impl<const D: usize> Mesh<D> {
+    /// Of a mesh as it was read.
+    pub fn of<const N: usize>(mesh: &gmsh::Mesh<D, N>) -> Mesh<D>
+    where
+        Dim<D>: Dimension<D>,
+    {
+        let size =
+            |nodes: &[usize; N]| simplex::determinant(&nodes.map(|n| mesh.position[n])).abs();
+        let largest = mesh.simplices.iter().map(size).fold(0.0, f64::max);
+        let quality = survey::quality(mesh);
+        Mesh {
+            position: mesh.position.clone(),
+            borders: mesh.borders.clone(),
+            notes: mesh.notes.clone(),
+            aspect: (quality.aspect, quality.longest),
+            largest_cell: simplex::cube_edge::<D>(largest),
+        }
+    }
+}
 
 /// Largest share of what crosses the boundary of a closed domain that may be left over, as for an engine.
 const LEFT_OVER_MAX: f64 = 0.01;
@@ -40,9 +73,16 @@ pub fn options(domain: &Domain) -> Options {
 }
 
 /// Read the file as the engine will; its faults go to `checker`.
-pub fn read(domain: &Domain, folder: &Path, checker: &mut Checker<'_>) -> Option<Mesh> {
+pub fn read<const D: usize>(
+    domain: &Domain,
+    folder: &Path,
+    checker: &mut Checker<'_>,
+) -> Option<Mesh<D>>
+where
+    Dim<D>: Scenic<D>,
+{
     let path = folder.join(domain.mesh.clone().unwrap_or_default());
-    match Mesh::read(&path, &options(domain)) {
+    match Dim::<D>::read_mesh(&path, &options(domain)) {
         Ok(mesh) => Some(mesh),
         Err(gmsh::Error::Unusable { path, faults }) => {
             for fault in faults.0 {
@@ -59,11 +99,14 @@ pub fn read(domain: &Domain, folder: &Path, checker: &mut Checker<'_>) -> Option
 
 /// A condition for each boundary. A curve in several groups takes that of the group that has one; where
 /// several have, they must be the same.
-pub fn boundaries(
-    fluid: &Fluid,
-    mesh: &Mesh,
+pub fn boundaries<const D: usize>(
+    fluid: &Fluid<D>,
+    mesh: &Mesh<D>,
     checker: &mut Checker<'_>,
-) -> BTreeMap<String, Boundary> {
+) -> BTreeMap<String, Boundary>
+where
+    Dim<D>: Dimension<D>,
+{
     let own = |name: &str| fluid.boundaries.contains_key(name);
     let mut names: Vec<String> = mesh
         .borders
@@ -86,50 +129,56 @@ pub fn boundaries(
 }
 
 /// What flows in must leave, and a parabola needs two ends.
-fn check_flows(
-    mesh: &Mesh,
+fn check_flows<const D: usize>(
+    mesh: &Mesh<D>,
     own: impl Fn(&str) -> bool,
     resolved: &BTreeMap<String, Boundary>,
     checker: &mut Checker<'_>,
-) {
+) where
+    Dim<D>: Dimension<D>,
+{
     let (mut net, mut gross) = (0.0, 0.0);
     for (name, boundary) in resolved {
         let Boundary::Inflow { velocity, profile } = boundary else {
+            continue;
+        };
+        let Ok(velocity) = fixed::<D, f64>(velocity).map(Vector::from) else {
             continue;
         };
         let borders = mesh
             .borders
             .iter()
             .filter(|border| border.name(&own) == name);
-        let facets: Vec<[usize; 2]> = borders.flat_map(|b| b.facets.iter().copied()).collect();
-        let mean = match profile {
-            Profile::Uniform => 1.0,
-            // The mean of a parabola is two thirds of its maximum.
-            Profile::Parabolic => {
-                check_ends(name, &facets, checker);
-                2.0 / 3.0
-            }
-        };
+        let facets: Vec<[usize; D]> = borders.flat_map(|b| b.facets.iter().copied()).collect();
+        if *profile == Profile::Parabolic {
+            check_ends(name, &facets, checker);
+        }
+        let mean = mean_of(*profile, D) / space::dimension::factorial(D - 1) as f64;
         for facet in &facets {
-            let normal = Dim::<2>::facet_normal(&facet.map(|node| mesh.position[node]));
-            net -= mean * (normal[0] * velocity[0] + normal[1] * velocity[1]);
-            gross += mean * hypot(&normal) * velocity[0].hypot(velocity[1]);
+            let normal = Dim::<D>::facet_normal(&facet.map(|node| mesh.position[node]));
+            net -= mean * dot(&normal, &velocity);
+            gross += mean * hypot(&normal) * hypot(&velocity);
         }
     }
     let open = |boundary: &Boundary| matches!(boundary, Boundary::Open { .. });
     if net.abs() > LEFT_OVER_MAX * gross && !resolved.values().any(open) {
+        let power = ["²", "³"][D - 2];
         checker.refuse(
             "fluid.boundaries",
             format!(
-                "{net:e} m²/s flow in and nothing lets them out: open a boundary \
+                "{net:e} m{power}/s flow in and nothing lets them out: open a boundary \
                  ({{ open = {{ pressure = 0.0 }} }}), or balance the inflows"
             ),
         );
     }
 }
 
-/// A parabolic inflow along one open line: two nodes belong to one facet only.
-fn check_ends(name: &str, facets: &[[usize; 2]], checker: &mut Checker<'_>) {
+/// A parabolic inflow is along one open line, of which two nodes belong to one facet only; in space its side is a
+/// rectangle, which the engine finds.
+fn check_ends<const D: usize>(name: &str, facets: &[[usize; D]], checker: &mut Checker<'_>) {
+    if D > 2 {
+        return;
+    }
     let mut nodes: Vec<usize> = facets.iter().flatten().copied().collect();
     nodes.sort_unstable();
     let ends = nodes
@@ -143,8 +192,8 @@ fn check_ends(name: &str, facets: &[[usize; 2]], checker: &mut Checker<'_>) {
 }
 
 /// The condition of a curve in several groups must be the same whoever reads the scene.
-fn check_shared(
-    border: &Border<2>,
+fn check_shared<const D: usize>(
+    border: &Border<D>,
     own: impl Fn(&str) -> bool,
     resolved: &BTreeMap<String, Boundary>,
     checker: &mut Checker<'_>,
@@ -167,32 +216,43 @@ fn check_shared(
     }
 }
 
-/// The outline of the mesh, each edge with the name of its boundary.
-pub(crate) fn edges(mesh: &Mesh, has_condition: impl Fn(&str) -> bool) -> Vec<Edge> {
-    let of_border = |border: &Border<2>| -> Vec<Edge> {
+/// The outline of the mesh, each facet with the name of its boundary.
+pub(crate) fn facets<const D: usize>(
+    mesh: &Mesh<D>,
+    has_condition: impl Fn(&str) -> bool,
+) -> Vec<Facet<D>>
+where
+    Dim<D>: Dimension<D>,
+{
+    let of_border = |border: &Border<D>| -> Vec<Facet<D>> {
         let boundary = border.name(&has_condition);
-        let edge = |facet: &[usize; 2]| {
-            let [a, b] = facet.map(|node| mesh.position[node].into());
-            Edge {
-                a,
-                b,
+        let facet = |nodes: &[usize; D]| {
+            let mut corners = nodes.map(|node| mesh.position[node]);
+            // The file's normals point outward: in space its corners are seen clockwise from outside.
+            let (out, inward) = (
+                Dim::<D>::facet_normal(&corners),
+                Dim::<D>::inward_normal(&corners),
+            );
+            if dot(&out, &inward) > 0.0 {
+                corners.swap(0, 1);
+            }
+            Facet {
+                corners: corners.map(|corner| corner.into()),
                 boundary: boundary.to_owned(),
             }
         };
-        border.facets.iter().map(edge).collect()
+        border.facets.iter().map(facet).collect()
     };
     mesh.borders.iter().flat_map(of_border).collect()
 }
 
 /// What is unusual in a mesh that can be used.
-pub fn warn(mesh: &Mesh, checker: &mut Checker<'_>) {
+pub fn warn<const D: usize>(mesh: &Mesh<D>, checker: &mut Checker<'_>) {
     for note in &mesh.notes {
         checker.warn(format!("{KEY}: {note}"));
     }
-    let quality = survey::quality(mesh);
-    boundaries::warn_of_aspect(KEY, quality.aspect, checker, || {
-        format!("element {}", quality.longest)
-    });
+    let (aspect, element) = mesh.aspect;
+    boundaries::warn_of_aspect(KEY, aspect, checker, || format!("element {element}"));
 }
 
 #[cfg(test)]
@@ -203,19 +263,19 @@ mod tests {
     #[test]
     fn the_shipped_mesh_of_a_cylinder_has_its_sides_and_its_hole() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/meshes");
-        let mesh = Mesh::read(&folder.join("cylinder.msh"), &Options::default());
-        let edges = edges(&mesh.expect("a mesh"), |_| true);
+        let mesh = <Dim<2>>::read_mesh(&folder.join("cylinder.msh"), &Options::default());
+        let edges = facets(&mesh.expect("a mesh"), |_| true);
         let mut names: Vec<&str> = edges.iter().map(|edge| edge.boundary.as_str()).collect();
         names.sort_unstable();
         names.dedup();
         assert_eq!(names, ["cylinder", "inlet", "outlet", "walls"]);
         let outline = Outline::new(edges, [false; 2]);
-        assert!(outline.contains([0.3, 0.2]) && outline.contains([2.1, 0.41]));
-        assert!(!outline.contains([0.2, 0.2]) && !outline.contains([0.2, 0.42]));
-        let inside = |edge: &Edge| {
+        assert!(outline.contains(&[0.3, 0.2]) && outline.contains(&[2.1, 0.41]));
+        assert!(!outline.contains(&[0.2, 0.2]) && !outline.contains(&[0.2, 0.42]));
+        let inside = |edge: &Facet<2>| {
             let (middle, inward) = (edge.middle(), edge.inward());
-            outline.contains([0, 1].map(|axis| middle[axis] + 1e-4 * inward[axis]))
+            outline.contains(&[0, 1].map(|axis| middle[axis] + 1e-4 * inward[axis]))
         };
-        assert!(outline.edges.iter().all(inside));
+        assert!(outline.facets.iter().all(inside));
     }
 }

@@ -6,10 +6,16 @@ use std::path::Path;
 use gmsh::survey::{self, Group};
 use gmsh::{File, Mesh};
 use serde::Serialize;
+use space::{Dim, Dimension};
 
+use crate::document::Document;
 use crate::error::Error;
 use crate::keys::{Fluid, SceneFile};
 use crate::mesh_file::options;
+use crate::read;
+
+/// What a group is called, by its dimension.
+const KINDS: [&str; 3] = ["curve", "surface", "volume"];
 
 /// A mesh file as it is read.
 #[derive(Debug, Clone, Serialize)]
@@ -20,30 +26,32 @@ pub struct MeshSurvey {
     pub format: String,
     /// Nodes in it.
     pub nodes: usize,
-    /// Surfaces and curves.
+    /// Volumes, surfaces and curves.
     pub groups: Vec<GroupRow>,
-    /// How good the triangles are; none where there is no mesh to be made.
+    /// How good the simplices are; none where there is no mesh to be made.
     pub quality: Option<QualityRow>,
 }
 
-/// A surface or a curve.
+/// What is filled, or a part of its boundary.
 #[derive(Debug, Clone, Serialize)]
 pub struct GroupRow {
-    /// "surface" or "curve".
+    /// "volume", "surface" or "curve".
     pub kind: &'static str,
+    /// Is it what the fluid fills, and not its boundary?
+    pub filled: bool,
     /// Its groups, or its number.
     pub labels: Vec<String>,
     /// Numbers of its entities.
     pub entities: Vec<i64>,
     /// Elements.
     pub elements: usize,
-    /// Area (m²) or length (m).
+    /// Volume (m³), area (m²) or length (m).
     pub size: f64,
-    /// Of a curve: its condition in the scene.
+    /// Of the boundary: its condition in the scene.
     pub condition: Option<String>,
 }
 
-/// Qualities of the triangles.
+/// Qualities of the simplices.
 #[derive(Debug, Clone, Serialize)]
 pub struct QualityRow {
     /// Area over that of the equilateral one with the same mean square of sides: least, and its element.
@@ -58,7 +66,21 @@ pub struct QualityRow {
 
 impl MeshSurvey {
     /// Of the file that a scene names; none of a scene without one. Faults of the mesh are told by `load`.
-    pub fn of(keys: &SceneFile, folder: &Path) -> Result<Option<MeshSurvey>, Error> {
+    pub fn of(document: &Document) -> Result<Option<MeshSurvey>, Error> {
+        let folder = document.folder();
+        match read::dimension(document) {
+            3 => MeshSurvey::of_keys::<3, 4>(&read::read(document)?, &folder),
+            _ => MeshSurvey::of_keys::<2, 3>(&read::read(document)?, &folder),
+        }
+    }
+
+    fn of_keys<const D: usize, const N: usize>(
+        keys: &SceneFile<D>,
+        folder: &Path,
+    ) -> Result<Option<MeshSurvey>, Error>
+    where
+        Dim<D>: Dimension<D>,
+    {
         let Some(fluid) = keys.fluid.as_ref() else {
             return Ok(None);
         };
@@ -68,8 +90,8 @@ impl MeshSurvey {
         let file =
             File::read(&folder.join(name)).map_err(|error| Error::Usage(error.to_string()))?;
         let options = options(&fluid.domain);
-        let mesh: Option<Mesh<2, 3>> = Mesh::of(&file, &options).ok();
-        let groups = survey::groups::<2>(&file).into_iter();
+        let mesh: Option<Mesh<D, N>> = Mesh::of(&file, &options).ok();
+        let groups = survey::groups::<D>(&file).into_iter();
         Ok(Some(MeshSurvey {
             file: file.path.display().to_string(),
             format: file.format.clone(),
@@ -82,29 +104,30 @@ impl MeshSurvey {
     }
 }
 
-fn row(group: Group, scale: f64, fluid: &Fluid) -> GroupRow {
-    let kind = if group.dimension == 2 {
-        "surface"
-    } else {
-        "curve"
-    };
+fn row<const D: usize>(group: Group, scale: f64, fluid: &Fluid<D>) -> GroupRow {
+    let kind = KINDS[group.dimension.clamp(1, 3) - 1];
     let own = group
         .labels
         .iter()
         .find_map(|label| fluid.boundaries.get(label));
     let condition = own.or_else(|| fluid.boundaries.get("all"));
-    let text = condition.and_then(|condition| serde_json::to_string(condition).ok());
+    let flat = condition.map(|condition| condition.map(|velocity| velocity.to_vec()));
+    let text = flat.and_then(|condition| serde_json::to_string(&condition).ok());
     GroupRow {
         kind,
         entities: group.entities.into_iter().collect(),
         elements: group.elements,
         size: group.size * scale.powi(group.dimension as i32),
-        condition: text.filter(|_| kind == "curve"),
+        condition: text.filter(|_| group.dimension < D),
+        filled: group.dimension == D,
         labels: group.labels,
     }
 }
 
-fn quality(mesh: &Mesh<2, 3>) -> QualityRow {
+fn quality<const D: usize, const N: usize>(mesh: &Mesh<D, N>) -> QualityRow
+where
+    Dim<D>: Dimension<D>,
+{
     let quality = survey::quality(mesh);
     QualityRow {
         least: (quality.least, quality.worst),
@@ -122,11 +145,15 @@ impl fmt::Display for MeshSurvey {
             self.file, self.format, self.nodes
         )?;
         for group in &self.groups {
-            let unit = if group.kind == "surface" { "m²" } else { "m" };
-            let condition = match (&group.condition, group.kind) {
+            let unit = match group.kind {
+                "volume" => "m³",
+                "surface" => "m²",
+                _ => "m",
+            };
+            let condition = match (&group.condition, group.filled) {
                 (Some(condition), _) => condition,
-                (None, "curve") => "no condition",
-                (None, _) => "",
+                (None, false) => "no condition",
+                (None, true) => "",
             };
             writeln!(
                 out,

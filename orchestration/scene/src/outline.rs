@@ -1,79 +1,86 @@
-//! The outline of the fluid: the sides of its rectangle, or the edges of its mesh that belong to one
-//! triangle. What lies inside, and what lies on it.
+//! The outline of the fluid: the sides of its rectangle or box, or the facets of its mesh that belong to one
+//! simplex. What lies inside, and what lies on it.
 
-/// Part of the size of an outline within which a point lies on an edge.
-const ON_EDGE: f64 = 1e-9;
+use protocol::scene::Wall;
+use space::{Dim, Dimension, Vector};
 
-/// A piece of the outline; the fluid is on the left of a → b.
+use crate::dimensions::{Corners, Scenic, sides};
+
+/// Part of the size of an outline within which a point lies on a facet.
+const ON_FACET: f64 = 1e-9;
+/// The axis across which facets are sorted.
+const ACROSS: usize = 1;
+
+/// A piece of the outline; the fluid is on the left of a → b, in space where its corners are seen clockwise.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Edge {
-    /// Where it begins \[m\].
-    pub a: [f64; 2],
-    /// Where it ends \[m\].
-    pub b: [f64; 2],
+pub struct Facet<const D: usize> {
+    /// Its corners \[m\].
+    pub corners: Corners<D>,
     /// Name of its boundary.
     pub boundary: String,
 }
 
-/// All edges, sorted into strips across y.
+/// All facets, sorted into strips across y.
 #[derive(Debug, Clone)]
-pub struct Outline {
-    /// The edges.
-    pub edges: Vec<Edge>,
+pub struct Outline<const D: usize> {
+    /// The facets.
+    pub facets: Vec<Facet<D>>,
     /// Axes along which there is no outside: the fluid is periodic.
-    periodic: [bool; 2],
+    periodic: [bool; D],
     /// Lowest y, height of a strip \[m\].
     strips: [f64; 2],
-    /// Numbers of the edges that reach into each strip.
+    /// Numbers of the facets that reach into each strip.
     members: Vec<Vec<u32>>,
-    /// Distance at which a point lies on an edge \[m\].
+    /// Distance at which a point lies on a facet \[m\].
     tolerance: f64,
 }
 
-/// Smallest and largest coordinate of all ends along each axis \[m\].
-fn ranges(edges: &[Edge]) -> [[f64; 2]; 2] {
-    [0, 1].map(|axis| {
-        let values = edges.iter().flat_map(|edge| [edge.a[axis], edge.b[axis]]);
+/// Smallest and largest coordinate of all corners along each axis \[m\].
+fn ranges<const D: usize>(facets: &[Facet<D>]) -> [[f64; 2]; D] {
+    std::array::from_fn(|axis| {
+        let corners = facets.iter().flat_map(|facet| &facet.corners);
+        let values = corners.map(|corner| corner[axis]);
         values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
             [low.min(value), high.max(value)]
         })
     })
 }
 
-impl Outline {
-    /// Of a rectangle, with sides left, right, bottom, top.
-    pub fn of_rectangle(lower: [f64; 2], upper: [f64; 2], periodic: [bool; 2]) -> Outline {
-        let ([left, bottom], [right, top]) = (lower, upper);
-        let sides = [
-            ([left, top], [left, bottom], "left"),
-            ([right, bottom], [right, top], "right"),
-            ([left, bottom], [right, bottom], "bottom"),
-            ([right, top], [left, top], "top"),
-        ];
-        let edges = sides.map(|(a, b, name)| Edge {
-            a,
-            b,
-            boundary: name.to_string(),
+impl<const D: usize> Outline<D>
+where
+    Dim<D>: Scenic<D>,
+{
+    /// Of a rectangle or box, with its sides.
+    pub fn of_box(lower: &[f64; D], upper: &[f64; D], periodic: [bool; D]) -> Outline<D> {
+        let names = sides::<D>().iter().enumerate();
+        let facets = names.flat_map(|(side, name)| {
+            let of_side = Dim::<D>::side(lower, upper, side).into_iter();
+            of_side.map(|corners| Facet {
+                corners,
+                boundary: (*name).to_string(),
+            })
         });
-        Outline::new(edges.into(), periodic)
+        Outline::new(facets.collect(), periodic)
     }
 
-    /// Of these edges.
-    pub fn new(edges: Vec<Edge>, periodic: [bool; 2]) -> Outline {
-        let [[left, right], [bottom, top]] = ranges(&edges);
-        let tolerance = ON_EDGE * (right - left).max(top - bottom);
-        let count = edges.len().clamp(1, 4096);
-        let strips = [bottom, (top - bottom) / count as f64];
+    /// Of these facets.
+    pub fn new(facets: Vec<Facet<D>>, periodic: [bool; D]) -> Outline<D> {
+        let ranges = ranges(&facets);
+        let extent = ranges.map(|[low, high]| high - low);
+        let tolerance = ON_FACET * extent.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let count = facets.len().clamp(1, 4096);
+        let strips = [ranges[ACROSS][0], extent[ACROSS] / count as f64];
         let mut outline = Outline {
-            edges,
+            facets,
             periodic,
             strips,
             members: vec![Vec::new(); count],
             tolerance,
         };
-        for number in 0..outline.edges.len() {
-            let Edge { a, b, .. } = &outline.edges[number];
-            let (low, high) = (a[1].min(b[1]) - tolerance, a[1].max(b[1]) + tolerance);
+        for number in 0..outline.facets.len() {
+            let along = outline.facets[number].corners.map(|corner| corner[ACROSS]);
+            let low = along.into_iter().fold(f64::INFINITY, f64::min) - tolerance;
+            let high = along.into_iter().fold(f64::NEG_INFINITY, f64::max) + tolerance;
             for strip in outline.strip(low)..=outline.strip(high) {
                 outline.members[strip].push(number as u32);
             }
@@ -81,7 +88,7 @@ impl Outline {
         outline
     }
 
-    /// Distance at which a point lies on an edge \[m\].
+    /// Distance at which a point lies on a facet \[m\].
     pub fn tolerance(&self) -> f64 {
         self.tolerance
     }
@@ -92,73 +99,74 @@ impl Outline {
     }
 
     /// Is there fluid at a point, its edge included?
-    pub fn contains(&self, point: [f64; 2]) -> bool {
-        match self.periodic {
-            [false, false] => self.winds(point) || self.edge_at(point).is_some(),
-            // Only rectangles are periodic.
-            periodic => (0..2).all(|axis| periodic[axis] || self.within(point, axis)),
+    pub fn contains(&self, point: &[f64; D]) -> bool {
+        match self.periodic.contains(&true) {
+            false => self.winds(point) || self.facet_at(point).is_some(),
+            // Only rectangles and boxes are periodic.
+            true => (0..D).all(|axis| self.periodic[axis] || self.within(point, axis)),
         }
     }
 
-    /// Width and height \[m\].
-    pub fn size(&self) -> [f64; 2] {
-        ranges(&self.edges).map(|[low, high]| high - low)
+    /// Its extent along each axis \[m\].
+    pub fn size(&self) -> [f64; D] {
+        ranges(&self.facets).map(|[low, high]| high - low)
     }
 
     /// Is a point between the smallest and the largest coordinate along an axis?
-    fn within(&self, point: [f64; 2], axis: usize) -> bool {
-        let [low, high] = ranges(&self.edges)[axis];
+    fn within(&self, point: &[f64; D], axis: usize) -> bool {
+        let [low, high] = ranges(&self.facets)[axis];
         (low - self.tolerance..=high + self.tolerance).contains(&point[axis])
     }
 
+    /// Facets of the strip that a point is in.
+    fn near(&self, point: &[f64; D]) -> impl Iterator<Item = &Facet<D>> {
+        let members = self.members[self.strip(point[ACROSS])].iter();
+        members.map(|&number| &self.facets[number as usize])
+    }
+
     /// Does a ray along x leave an odd number of times?
-    fn winds(&self, [x, y]: [f64; 2]) -> bool {
-        let crossed = self.members[self.strip(y)].iter().filter(|&&number| {
-            let Edge { a, b, .. } = &self.edges[number as usize];
-            (a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
-        });
-        crossed.count() % 2 == 1
+    fn winds(&self, point: &[f64; D]) -> bool {
+        let ahead = |facet: &&Facet<D>| Dim::<D>::is_ahead(&facet.corners, point);
+        self.near(point).filter(ahead).count() % 2 == 1
     }
 
-    /// The edge that a point lies on.
-    pub fn edge_at(&self, point: [f64; 2]) -> Option<&Edge> {
-        let members = self.members[self.strip(point[1])].iter();
-        let mut edges = members.map(|&number| &self.edges[number as usize]);
-        edges.find(|edge| edge.distance(point) <= self.tolerance)
+    /// The facet that a point lies on.
+    pub fn facet_at(&self, point: &[f64; D]) -> Option<&Facet<D>> {
+        self.near(point)
+            .find(|facet| facet.distance(point) <= self.tolerance)
     }
 
-    /// Edges that a segment lies on, from its middle and both ends.
-    pub fn along(&self, a: [f64; 2], b: [f64; 2]) -> Option<&Edge> {
-        let ends = [a, b].iter().all(|end| self.edge_at(*end).is_some());
-        self.edge_at(halfway(a, b)).filter(|_| ends)
+    /// Facets that a flat wall lies on, from its middle and its corners.
+    pub fn along(&self, corners: &Corners<D>) -> Option<&Facet<D>> {
+        let all = corners.iter().all(|corner| self.facet_at(corner).is_some());
+        self.facet_at(&middle(corners)).filter(|_| all)
     }
 }
 
-impl Edge {
-    /// From a point to the nearest one of the edge \[m\].
-    fn distance(&self, point: [f64; 2]) -> f64 {
-        let way: [f64; 2] = std::array::from_fn(|axis| self.b[axis] - self.a[axis]);
-        let away: [f64; 2] = std::array::from_fn(|axis| point[axis] - self.a[axis]);
-        let squared = way[0] * way[0] + way[1] * way[1];
-        let along = ((away[0] * way[0] + away[1] * way[1]) / squared).clamp(0.0, 1.0);
-        f64::hypot(away[0] - along * way[0], away[1] - along * way[1])
+impl<const D: usize> Facet<D>
+where
+    Dim<D>: Scenic<D>,
+{
+    /// From a point to the nearest one of the facet \[m\].
+    fn distance(&self, point: &[f64; D]) -> f64 {
+        Wall::of(&self.corners, None).distance(point)
     }
 
     /// Its middle \[m\].
-    pub fn middle(&self) -> [f64; 2] {
-        halfway(self.a, self.b)
+    pub fn middle(&self) -> [f64; D] {
+        middle(&self.corners)
     }
 
     /// Unit vector into the fluid.
-    pub fn inward(&self) -> [f64; 2] {
-        let way: [f64; 2] = std::array::from_fn(|axis| self.b[axis] - self.a[axis]);
-        let length = f64::hypot(way[0], way[1]);
-        [-way[1] / length, way[0] / length]
+    pub fn inward(&self) -> Vector<D> {
+        let normal = Dim::<D>::inward_normal(&self.corners.map(Vector::from));
+        normal / space::hypot(&normal)
     }
 }
 
-fn halfway(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    std::array::from_fn(|axis| 0.5 * (a[axis] + b[axis]))
+/// The middle of a flat wall \[m\].
+fn middle<const D: usize>(corners: &Corners<D>) -> [f64; D] {
+    std::array::from_fn(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / D as f64)
 }
 
 #[cfg(test)]
@@ -172,7 +180,7 @@ mod tests {
         position: &[[f64; 2]],
         triangles: &[[usize; 3]],
         named: &BTreeMap<[usize; 2], String>,
-    ) -> Vec<Edge> {
+    ) -> Vec<Facet<2>> {
         let mut sides: Vec<([usize; 2], [usize; 2])> = Vec::with_capacity(3 * triangles.len());
         for &[i, j, k] in triangles {
             let triangle = if is_clockwise([i, j, k].map(|n| position[n])) {
@@ -190,9 +198,8 @@ mod tests {
         single
             .map(|group| {
                 let (key, [a, b]) = group[0];
-                Edge {
-                    a: position[a],
-                    b: position[b],
+                Facet {
+                    corners: [position[a], position[b]],
                     boundary: named.get(&key).cloned().unwrap_or_default(),
                 }
             })
@@ -216,7 +223,7 @@ mod tests {
             .collect();
         let named = BTreeMap::from([([5, 6], "hole".to_string())]);
         let outline = Outline::new(single_edges(&position, &triangles, &named), [false; 2]);
-        assert_eq!(outline.edges.len(), 16);
+        assert_eq!(outline.facets.len(), 16);
         for (point, inside) in [
             ([0.5, 0.5], true),
             ([1.5, 1.5], false),
@@ -225,17 +232,47 @@ mod tests {
             ([2.9, 1.5], true),
             ([1.0, 1.0], true),
         ] {
-            assert_eq!(outline.contains(point), inside, "{point:?}");
+            assert_eq!(outline.contains(&point), inside, "{point:?}");
         }
-        let rim = outline.along([1.2, 1.0], [1.8, 1.0]).expect("on the rim");
+        let rim = outline
+            .along(&[[1.2, 1.0], [1.8, 1.0]])
+            .expect("on the rim");
         println!("{rim:?}");
-        assert_eq!((rim.boundary.as_str(), rim.inward()), ("hole", [0.0, -1.0]));
-        assert!(outline.along([0.5, 1.0], [1.8, 1.0]).is_none());
+        assert_eq!(
+            (rim.boundary.as_str(), rim.inward().into()),
+            ("hole", [0.0, -1.0])
+        );
+        assert!(outline.along(&[[0.5, 1.0], [1.8, 1.0]]).is_none());
     }
 
     #[test]
     fn a_periodic_rectangle_has_no_outside_along_its_period() {
-        let outline = Outline::of_rectangle([0.0, 0.0], [1.0, 2.0], [true, false]);
-        assert!(outline.contains([7.0, 1.0]) && !outline.contains([0.5, 2.1]));
+        let outline = Outline::of_box(&[0.0, 0.0], &[1.0, 2.0], [true, false]);
+        assert!(outline.contains(&[7.0, 1.0]) && !outline.contains(&[0.5, 2.1]));
+    }
+
+    #[test]
+    fn a_box_with_a_box_cut_out_has_an_inside() {
+        let mut facets = Outline::of_box(&[0.0; 3], &[3.0; 3], [false; 3]).facets;
+        let hole = Outline::of_box(&[1.0; 3], &[2.0; 3], [false; 3]).facets;
+        facets.extend(hole.into_iter().map(|mut facet| {
+            facet.corners.swap(1, 2);
+            facet
+        }));
+        let outline = Outline::new(facets, [false; 3]);
+        let mut inside = 0;
+        for number in 0..4096_u32 {
+            // points on diagonals of the facets, too
+            let place = |k: u32| f64::from(number >> (4 * k) & 15) * 0.25 - 0.375;
+            let point = [place(0), place(1), place(2)];
+            let within = |low: f64, high: f64| point.iter().all(|x| (low..=high).contains(x));
+            let expected = within(0.0, 3.0) && !within(1.0, 2.0);
+            assert_eq!(outline.contains(&point), expected, "{point:?}");
+            inside += usize::from(expected);
+        }
+        assert_eq!(inside, 12 * 12 * 12 - 4 * 4 * 4);
+        let wall = outline.along(&[[0.1, 0.0, 0.1], [2.9, 0.0, 0.2], [0.3, 0.0, 2.9]]);
+        let wall = wall.expect("on the floor");
+        assert_eq!((wall.boundary.as_str(), wall.inward()[1]), ("bottom", 1.0));
     }
 }

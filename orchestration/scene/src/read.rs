@@ -5,19 +5,34 @@ use toml::Value;
 
 use crate::document::Document;
 use crate::error::Error;
-use crate::keys::SceneFile;
+use crate::keys::{SceneFile, form as form_of};
 use crate::problem::{Problem, Problems};
 
-/// What scenes cannot do yet.
-const PLANE: &str = "scenes are plane (x, y); three dimensions cannot be run yet";
+/// What says in how many dimensions a scene is.
+const DIMENSION: &str = "the domain says it: fluid.domain.rectangle is of the plane, fluid.domain.box of space; with a \
+     mesh or without a fluid the numbers of particles.domain, or of gravity";
 
 /// What has become of the length that all grains were smoothed over.
 const NO_LENGTH: &str = "no longer a key: every grain is spread over its own size, as far as the cells around \
      it need; remove this line";
 
+/// In how many dimensions a scene is: as its domain says; without one as its first vector.
+pub fn dimension(document: &Document) -> usize {
+    let is_there = |key: &str| document.value(key).is_some();
+    if is_there("fluid.domain.box") || is_there("fluid.domain.rectangle") {
+        return if is_there("fluid.domain.box") { 3 } else { 2 };
+    }
+    let numbers = |key: &str| document.value(key)?.as_array().map(Vec::len);
+    let vectors = ["particles.domain.lower", "gravity.acceleration"];
+    match vectors.iter().find_map(|key| numbers(key)) {
+        Some(3) => 3,
+        _ => 2,
+    }
+}
+
 /// All keys of a document; unknown keys and wrong types are refused with file and line.
-pub fn read(document: &Document) -> Result<SceneFile, Error> {
-    let read = serde_path_to_error::deserialize::<Value, SceneFile>(document.tree.clone());
+pub fn read<const D: usize>(document: &Document) -> Result<SceneFile<D>, Error> {
+    let read = serde_path_to_error::deserialize::<Value, SceneFile<D>>(document.tree.clone());
     let keys = read.map_err(|error| {
         let path = error.path().to_string();
         let message = error.inner().message().to_string();
@@ -64,7 +79,7 @@ fn explain(document: &Document, path: &str, message: &str) -> Problem {
     if message.starts_with("unknown field") {
         let key = join(path, first);
         if key == "dimension" {
-            return document.problem(&key, format!("not a key: {PLANE}"));
+            return document.problem(&key, format!("not a key: {DIMENSION}"));
         }
         if key == "coupling.smoothing_length" {
             return document.problem(&key, NO_LENGTH);
@@ -93,7 +108,7 @@ fn missing(key: &str) -> String {
         "run" => "[run] with end_time and coupling_step in s",
         "gravity" => "[gravity] acceleration = [0.0, -9.81] (or zeros), in m/s²",
         "fluid.boundaries" => "[fluid.boundaries] all = \"no-slip\"",
-        "fluid.domain" => "[fluid.domain] with rectangle = { … } or mesh = \"….msh\"",
+        "fluid.domain" => "[fluid.domain] with rectangle = { … }, box = { … } or mesh = \"….msh\"",
         "contact.tolerance" => "tolerance = 1e-3 (of |g| Δt)",
         _ => return "missing, and it has no default".to_string(),
     };
@@ -144,8 +159,12 @@ fn join(path: &str, key: &str) -> String {
 /// Rust's type names in plain words.
 fn plain(message: &str) -> String {
     let mut text = message.trim().replace('\n', ", ");
-    if text.starts_with("invalid length 3, expected fewer elements") {
-        return format!("has three numbers, must have two [x, y]: {PLANE}");
+    if let Some((count, form)) = text
+        .strip_prefix("invalid length ")
+        .and_then(|rest| rest.split_once(", expected "))
+        && [form_of(2), form_of(3)].contains(&form)
+    {
+        return format!("has {count} numbers, must have {form}: {DIMENSION}");
     }
     for (rust, words) in [
         ("expected f64", "expected a number"),
@@ -153,11 +172,6 @@ fn plain(message: &str) -> String {
         ("expected u64", "expected a whole number, 0 or more"),
         ("expected u32", "expected a whole number, 0 or more"),
         ("expected a boolean", "expected true or false"),
-        (
-            "expected an array of length 2",
-            "expected two numbers [x, y]",
-        ),
-        ("expected a tuple of size 2", "expected two numbers [x, y]"),
         ("expected a sequence", "expected a list [ … ]"),
         ("expected a map", "expected a table"),
         ("invalid type: ", "wrong type: "),

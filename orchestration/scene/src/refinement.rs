@@ -1,10 +1,15 @@
 //! How large cells are: what a scene asks for, and about how many nodes that makes.
 
+use std::f64::consts::PI;
+
 use protocol::scene::{CouplerScene, MeshSource, NearGrains, REGIONS_MAX, Refinement, Region};
 
+use space::Dim;
+
 use crate::check::Checker;
+use crate::dimensions::{Cells, Scenic};
 use crate::grains::GrainTable;
-use crate::keys::{Fluid, Rectangle, RefinementKeys, SceneFile};
+use crate::keys::{Fluid, RefinementKeys, SceneFile};
 use crate::memory;
 use crate::mesh_file::Mesh;
 
@@ -43,33 +48,35 @@ impl RefinementKeys {
     }
 }
 
-/// H: edge of a square as large as a cell of the rectangle \[m\].
-fn root(rectangle: &Rectangle) -> f64 {
-    let edge = |d: usize| (rectangle.upper[d] - rectangle.lower[d]) / rectangle.cells[d] as f64;
-    (edge(0) * edge(1)).sqrt()
+/// H: edge of a cube (in the plane a square) as large as a cell \[m\].
+fn root(extent: &[f64], cells: &[usize]) -> f64 {
+    let edges = extent
+        .iter()
+        .zip(cells)
+        .map(|(extent, &count)| extent / count as f64);
+    edges.product::<f64>().powf(1.0 / extent.len() as f64)
 }
 
-/// H: edge of a square as large as two of the largest triangle of a mesh \[m\].
-fn root_of_mesh(mesh: &Mesh) -> f64 {
-    let area = |nodes: &[usize; 3]| {
-        let [a, b, c] = nodes.map(|node| mesh.position[node]);
-        ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs()
-    };
-    mesh.simplices.iter().map(area).fold(0.0, f64::max).sqrt()
-}
-
-/// Cells that are made where this size is asked for: H 2^(−k/2) \[m\].
-fn made(root: f64, asked: f64) -> f64 {
-    let halvings = (2.0 * (root / asked).log2() - 1e-9).ceil().max(0.0);
-    root * (-halvings / 2.0).exp2()
+/// Cells that are made where this size is asked for: H 2^(−k/D) \[m\].
+fn made(root: f64, asked: f64, dimension: usize) -> f64 {
+    let d = dimension as f64;
+    let halvings = (d * (root / asked).log2() - 1e-9).ceil().max(0.0);
+    root * (-halvings / d).exp2()
 }
 
 /// Refuse what no mesh can be made of; `mesh` is that of the file, where there is one.
-pub fn check(keys: &SceneFile, fluid: &Fluid, mesh: Option<&Mesh>, checker: &mut Checker<'_>) {
+pub fn check<const D: usize>(
+    keys: &SceneFile<D>,
+    fluid: &Fluid<D>,
+    mesh: Option<&Mesh<D>>,
+    checker: &mut Checker<'_>,
+) where
+    Dim<D>: Scenic<D>,
+{
     let Some(asked) = &fluid.refinement else {
         return;
     };
-    if let Err(why) = asked.sizes().check(2) {
+    if let Err(why) = asked.sizes().check(D) {
         checker.refuse(KEY, why);
         return;
     }
@@ -117,23 +124,36 @@ pub fn check(keys: &SceneFile, fluid: &Fluid, mesh: Option<&Mesh>, checker: &mut
         let key = format!("{KEY}.margin");
         checker.refuse(&key, "is the margin of near_grains: leave it out");
     }
-    let rectangle = fluid.domain.rectangle.as_ref();
-    if rectangle.is_some_and(|rectangle| rectangle.grading != [1.0, 1.0]) {
+    let cells = Dim::<D>::cells(&fluid.domain);
+    if let Some(cells) = cells.as_ref().filter(|cells| cells.grading != [1.0; D]) {
         checker.refuse(
-            "fluid.domain.rectangle.grading",
+            &format!("{}.grading", cells.key),
             "a rectangle is refined from cells of one size: leave it out, or fluid.refinement",
         );
     }
-    let root = rectangle.map(root).or_else(|| mesh.map(root_of_mesh));
+    let of_cells = |cells: &Cells<D>| {
+        let extent: [f64; D] = std::array::from_fn(|d| cells.upper[d] - cells.lower[d]);
+        root(&extent, &cells.cells)
+    };
+    let all_alike = cells.is_some();
+    let root = cells
+        .as_ref()
+        .map(of_cells)
+        .or(mesh.map(|mesh| mesh.largest_cell));
     if let Some(root) = root.filter(|_| checker.problems.is_empty()) {
-        check_sizes(asked, (root, rectangle.is_some()), checker);
+        check_sizes(asked, (root, all_alike, D), checker);
     }
 }
 
-fn check_sizes(asked: &RefinementKeys, (root, all_alike): (f64, bool), checker: &mut Checker<'_>) {
+fn check_sizes(
+    asked: &RefinementKeys,
+    (root, all_alike, dimension): (f64, bool, usize),
+    checker: &mut Checker<'_>,
+) {
     let smallest = asked.smallest();
+    let step = ["√2", "∛2"][dimension - 2];
     let (cells, coarser) = match all_alike {
-        true => ("cells of the rectangle", "fewer cells"),
+        true => ("cells of the domain", "fewer cells"),
         false => ("largest cells of the mesh", "a mesh of larger ones"),
     };
     let sizes = asked.regions.iter().enumerate();
@@ -154,11 +174,11 @@ fn check_sizes(asked: &RefinementKeys, (root, all_alike): (f64, bool), checker: 
                 ),
             );
         }
-        let made = made(root, size);
+        let made = made(root, size, dimension);
         if all_alike && made < 0.9 * size && size <= root {
             checker.warn(format!(
-                "{key} = {size:e} m makes cells of {made:.4e} m: sizes come in steps of 1/√2 from the cells of \
-                 the rectangle, {root:.4e} m"
+                "{key} = {size:e} m makes cells of {made:.4e} m: sizes come in steps of 1/{step} from the cells of \
+                 the domain, {root:.4e} m"
             ));
         }
     }
@@ -171,67 +191,118 @@ fn check_sizes(asked: &RefinementKeys, (root, all_alike): (f64, bool), checker: 
     }
 }
 
+/// Content of the unit ball of 0 to 3 dimensions.
+const BALLS: [f64; 4] = [1.0, 2.0, PI, 4.0 / 3.0 * PI];
+
+/// Content of all that is within `far` of a box with these edges (Steiner 1840).
+fn around(edges: &[f64], far: f64) -> f64 {
+    // elementary symmetric polynomials of the edges
+    let mut symmetric = vec![1.0];
+    for edge in edges {
+        symmetric.push(0.0);
+        for k in (1..symmetric.len()).rev() {
+            symmetric[k] += symmetric[k - 1] * edge;
+        }
+    }
+    let terms =
+        (0..=edges.len()).map(|k| symmetric[edges.len() - k] * BALLS[k] * far.powi(k as i32));
+    terms.sum()
+}
+
 /// About how many nodes the first mesh of a scene has; none where nothing is refined.
 ///
 /// ```text
-///   ∫ dA/h² over the zones, the cells that grow around them, and the rest; zones of grains: squares of edge
+///   ∫ dV/h^D over the zones, the cells that grow around them, and the rest; zones of grains: cubes of edge
 ///   `margin` that grains are in, with two rings around
 /// ```
 pub fn nodes(scene: &CouplerScene, grains: &GrainTable) -> Option<f64> {
     let fluid = scene.fluid.as_ref()?;
     let asked = fluid.refinement.as_ref()?;
-    let MeshSource::Rectangle {
-        lower,
-        upper,
-        cells,
-        ..
-    } = &fluid.mesh
-    else {
-        return None;
+    let (lower, upper, cells) = cells_of(&fluid.mesh)?;
+    let extent: Vec<f64> = lower
+        .iter()
+        .zip(upper)
+        .map(|(low, high)| high - low)
+        .collect();
+    let d = extent.len();
+    let domain: f64 = extent.iter().product();
+    let root = root(&extent, cells);
+    let largest = made(root, asked.largest.unwrap_or(root), d);
+    let density = |size: f64| size.powi(-(d as i32));
+    let mut nodes = domain * density(largest);
+    let mut add = |size: f64, edges: &[f64], inner: f64| {
+        let (size, growth) = (made(root, size, d), asked.growth);
+        let end = ((largest - size) / growth).max(0.0);
+        let layers = 200;
+        let content = |layer: usize| around(edges, inner + end * layer as f64 / layers as f64);
+        let of_layer = |layer: usize| {
+            let middle = size + (layer as f64 + 0.5) * (largest - size).max(0.0) / layers as f64;
+            (content(layer + 1) - content(layer)) * (density(middle) - density(largest)).max(0.0)
+        };
+        let grown: f64 = (0..layers).map(of_layer).sum();
+        // sizes come in steps, and a cell is divided where one of its D + 1 corners asks for it
+        let finer = std::f64::consts::SQRT_2.powi(d as i32 - 1);
+        nodes += content(0) * density(size) + finer * grown;
     };
-    let extent = [0, 1].map(|d| upper[d] - lower[d]);
-    let domain = extent[0] * extent[1];
-    let root = (domain / (cells[0] * cells[1]) as f64).sqrt();
-    let largest = made(root, asked.largest.unwrap_or(root));
-    let mut nodes = domain / (largest * largest);
-    let mut add = |size: f64, area: f64, perimeter: f64| {
-        let (size, growth) = (made(root, size), asked.growth);
-        let far = (largest / size).ln().max(0.0);
-        let around = perimeter / (growth * size) * (1.0 - size / largest);
-        let beyond = 2.0 * std::f64::consts::PI / (growth * growth) * (far - 1.0 + size / largest);
-        // sizes come in steps of 1/√2: on average cells are 2^¼ smaller than asked for
-        nodes += area / (size * size) + std::f64::consts::SQRT_2 * (around + beyond).max(0.0);
-    };
+    let point = vec![0.0; d];
     for region in &asked.regions {
         match region {
-            Region::Ball { radius, size, .. } => {
-                let circle = 2.0 * std::f64::consts::PI * radius;
-                add(*size, 0.5 * circle * radius, circle);
-            }
+            Region::Ball { radius, size, .. } => add(*size, &point, *radius),
             Region::Box { lower, upper, size } => {
-                let edge = |d: usize| (upper[d] - lower[d]).min(extent[d]);
-                add(*size, edge(0) * edge(1), 2.0 * (edge(0) + edge(1)));
+                let edge = |k: usize| (upper[k] - lower[k]).min(extent[k]);
+                let edges: Vec<f64> = (0..d).map(edge).collect();
+                add(*size, &edges, 0.0);
             }
         }
     }
     if let Some(near) = scene.near_grains {
-        let area = (zone(&near, grains) as f64 * near.margin * near.margin).min(domain);
-        add(near.size, area, 4.0 * area.sqrt());
+        let content = (zone(&near, grains) as f64 * near.margin.powi(d as i32)).min(domain);
+        let edge = content.powf(1.0 / d as f64);
+        add(near.size, &vec![edge; d], 0.0);
     }
     Some(nodes)
 }
 
-/// Squares of edge `margin` of the zone around grains.
+/// Corners and cells of a rectangle or box.
+pub fn cells_of(mesh: &MeshSource) -> Option<(&[f64], &[f64], &[usize])> {
+    match mesh {
+        MeshSource::Rectangle {
+            lower,
+            upper,
+            cells,
+            ..
+        }
+        | MeshSource::Box {
+            lower,
+            upper,
+            cells,
+        } => Some((lower, upper, cells)),
+        MeshSource::File { .. } => None,
+    }
+}
+
+/// Cubes (in the plane squares) of edge `margin` of the zone around grains.
 fn zone(near: &NearGrains, grains: &GrainTable) -> usize {
-    let cell = |x: f64| (x / near.margin).floor() as i64;
-    let mut cells: Vec<[i64; 2]> = grains.position.iter().map(|x| x.map(cell)).collect();
+    match grains.dimension {
+        3 => cubes::<3>(near, grains),
+        _ => cubes::<2>(near, grains),
+    }
+}
+
+fn cubes<const D: usize>(near: &NearGrains, grains: &GrainTable) -> usize {
+    let cell = |x: &f64| (x / near.margin).floor() as i64;
+    let places = grains.position.chunks_exact(D);
+    let of = |place: &[f64]| -> [i64; D] { std::array::from_fn(|k| cell(&place[k])) };
+    let mut cells: Vec<[i64; D]> = places.map(of).collect();
     cells.sort_unstable();
     cells.dedup();
-    let rings = |cell: &[i64; 2]| {
-        let [x, y] = *cell;
-        (-2..=2).flat_map(move |i| (-2..=2).map(move |j| [x + i, y + j]))
+    let rings = |cell: &[i64; D]| {
+        let cell = *cell;
+        (0..5_i64.pow(D as u32)).map(move |code| -> [i64; D] {
+            std::array::from_fn(|k| cell[k] + code / 5_i64.pow(k as u32) % 5 - 2)
+        })
     };
-    let mut zone: Vec<[i64; 2]> = cells.iter().flat_map(rings).collect();
+    let mut zone: Vec<[i64; D]> = cells.iter().flat_map(rings).collect();
     zone.sort_unstable();
     zone.dedup();
     zone.len()

@@ -8,11 +8,14 @@ use protocol::scene::{
     Scheme,
 };
 
+use space::Dim;
+
 use crate::boundaries;
 use crate::check::Checker;
+use crate::dimensions::{Cells, Scenic, sides};
 use crate::document::Document;
 use crate::grains::{self, GrainTable};
-use crate::keys::{Coupling, Fluid, Rectangle, RefinementKeys, SceneFile};
+use crate::keys::{Coupling, Fluid, RefinementKeys, SceneFile};
 use crate::mean_flow;
 use crate::mesh_file::{self, Mesh};
 use crate::outline::Outline;
@@ -21,19 +24,19 @@ use crate::scene::Scene;
 use crate::sides::Sides;
 use crate::walls::{self, GrainRoom};
 
-/// Of the space of every scene so far.
-const DIMENSION: usize = 2;
-
 /// Grains of a run folder, beside `scene.json`.
 pub const GRAINS_FILE: &str = "grains.csv";
 
 /// Resolve checked keys; what is found wrong goes to `checker`.
-pub fn resolve(
+pub fn resolve<const D: usize>(
     document: &Document,
-    keys: SceneFile,
+    keys: SceneFile<D>,
     threads: usize,
     checker: &mut Checker<'_>,
-) -> Scene {
+) -> Scene
+where
+    Dim<D>: Scenic<D>,
+{
     let folder = document.folder();
     let (fluid, mesh) = match &keys.fluid {
         Some(fluid) => {
@@ -42,24 +45,25 @@ pub fn resolve(
         }
         None => (None, None),
     };
-    let rectangle = keys
+    let cells = keys
         .fluid
         .as_ref()
-        .and_then(|fluid| fluid.domain.rectangle.as_ref());
+        .and_then(|fluid| Dim::<D>::cells(&fluid.domain));
+    let cells = cells.as_ref();
     let no_boundaries = Default::default();
     let conditions = fluid
         .as_ref()
         .map_or(&no_boundaries, |fluid| &fluid.boundaries);
-    let room = walls::room(&keys, rectangle, conditions);
+    let room = walls::room(&keys, cells, conditions);
     let walls = walls::walls(&keys, room.as_ref(), checker);
-    let outline = outline(mesh.as_ref(), rectangle, conditions);
+    let outline = outline(mesh.as_ref(), cells, conditions);
     let mut warnings = warnings(&keys);
     warnings.append(&mut checker.warnings);
     let mut exits = Vec::new();
     if let Some(outline) = &outline {
         let sides = Sides {
             scene: &keys,
-            rectangle,
+            cells,
             boundaries: conditions,
             outline,
             walls: &walls,
@@ -107,8 +111,12 @@ pub fn resolve(
 
 /// A slab is at least as deep as its largest sphere is wide: in a thinner one a sphere takes more volume
 /// than there is.
-fn refuse_thin_slab(keys: &SceneFile, grains: &GrainTable, checker: &mut Checker<'_>) {
-    let Some(Geometry::Sphere { depth }) = keys.coupling.as_ref().map(|c| c.geometry) else {
+fn refuse_thin_slab<const D: usize>(
+    keys: &SceneFile<D>,
+    grains: &GrainTable,
+    checker: &mut Checker<'_>,
+) {
+    let Some(Geometry::Sphere { depth }) = keys.coupling.as_ref().and_then(|c| c.geometry) else {
         return;
     };
     let diameter = 2.0 * grains.radius.iter().copied().fold(0.0, f64::max);
@@ -120,17 +128,20 @@ fn refuse_thin_slab(keys: &SceneFile, grains: &GrainTable, checker: &mut Checker
     }
 }
 
-fn fluid_part(
-    keys: &SceneFile,
-    fluid: &Fluid,
+fn fluid_part<const D: usize>(
+    keys: &SceneFile<D>,
+    fluid: &Fluid<D>,
     folder: &Path,
     threads: usize,
     checker: &mut Checker<'_>,
-) -> (FluidScene, Option<Mesh>) {
+) -> (FluidScene, Option<Mesh<D>>)
+where
+    Dim<D>: Scenic<D>,
+{
     let (source, read, boundaries) = mesh_part(fluid, folder, checker);
     if checker.problems.is_empty() {
-        match &fluid.domain.rectangle {
-            Some(rectangle) => boundaries::check_rectangle(&boundaries, rectangle, checker),
+        match Dim::<D>::cells(&fluid.domain) {
+            Some(cells) => boundaries::check_box(&boundaries, &cells, checker),
             None => boundaries::check_mesh(&boundaries, checker),
         }
         mean_flow::check(keys, fluid, &boundaries, checker);
@@ -140,7 +151,7 @@ fn fluid_part(
     // it is too dissipative.
     let grad_div = if keys.grains.is_empty() { 0.1 } else { 1.0 };
     let part = FluidScene {
-        dimension: DIMENSION,
+        dimension: D,
         density: fluid.density,
         dynamic_viscosity: fluid.dynamic_viscosity,
         gravity: keys.gravity.acceleration.to_vec(),
@@ -154,21 +165,24 @@ fn fluid_part(
         nonlinear: fluid.nonlinear,
         viscous_form: fluid.viscous_form,
         grad_div: fluid.grad_div.unwrap_or(grad_div),
-        initial_velocity: fluid.initial_velocity.to_vec(),
+        initial_velocity: fluid.initial_velocity.0.to_vec(),
         threads,
-        mean_flow: fluid.mean_flow.unwrap_or_default().map(|v| v.to_vec()),
+        mean_flow: fluid.mean_flow.unwrap_or_default().map(|v| v.0.to_vec()),
         refinement: fluid.refinement.as_ref().map(RefinementKeys::sizes),
     };
     (part, read)
 }
 
 /// The mesh with an absolute path, and a condition for each of its boundaries.
-fn mesh_part(
-    fluid: &Fluid,
+fn mesh_part<const D: usize>(
+    fluid: &Fluid<D>,
     folder: &Path,
     checker: &mut Checker<'_>,
-) -> (MeshSource, Option<Mesh>, BTreeMap<String, Boundary>) {
-    let Some(rectangle) = &fluid.domain.rectangle else {
+) -> (MeshSource, Option<Mesh<D>>, BTreeMap<String, Boundary>)
+where
+    Dim<D>: Scenic<D>,
+{
+    let Some(cells) = Dim::<D>::cells(&fluid.domain) else {
         let mesh = mesh_file::read(&fluid.domain, folder, checker);
         let boundaries = mesh.as_ref().map_or_else(BTreeMap::new, |mesh| {
             mesh_file::warn(mesh, checker);
@@ -176,50 +190,45 @@ fn mesh_part(
         });
         return (mesh_file::source(&fluid.domain, folder), mesh, boundaries);
     };
-    boundaries::warn_of_cells(rectangle, checker);
-    let mesh = MeshSource::Rectangle {
-        lower: rectangle.lower.to_vec(),
-        upper: rectangle.upper.to_vec(),
-        cells: rectangle.cells.to_vec(),
-        diagonals: rectangle.diagonals,
-        grading: rectangle.grading.to_vec(),
-    };
-    let names = boundaries::SIDES.map(String::from);
+    boundaries::warn_of_cells(&cells, checker);
+    let names: Vec<String> = sides::<D>().iter().map(|name| (*name).to_owned()).collect();
     let boundaries = boundaries::by_name(&fluid.boundaries, &names, checker);
-    (mesh, None, boundaries)
+    (Dim::<D>::mesh(&cells), None, boundaries)
 }
 
 /// The outline of the fluid; none without one, or where its mesh cannot be used.
-fn outline(
-    mesh: Option<&Mesh>,
-    rectangle: Option<&Rectangle>,
+fn outline<const D: usize>(
+    mesh: Option<&Mesh<D>>,
+    cells: Option<&Cells<D>>,
     conditions: &BTreeMap<String, Boundary>,
-) -> Option<Outline> {
-    if let Some(Rectangle { lower, upper, .. }) = rectangle {
-        let periodic = ["left", "bottom"].map(|s| conditions.get(s) == Some(&Boundary::Periodic));
-        return Some(Outline::of_rectangle(*lower, *upper, periodic));
+) -> Option<Outline<D>>
+where
+    Dim<D>: Scenic<D>,
+{
+    if let Some(Cells { lower, upper, .. }) = cells {
+        return Some(Outline::of_box(lower, upper, walls::joined(conditions)));
     }
-    let edges = mesh_file::edges(mesh?, |name| conditions.contains_key(name));
-    Some(Outline::new(edges, [false; 2]))
+    let facets = mesh_file::facets(mesh?, |name| conditions.contains_key(name));
+    Some(Outline::new(facets, [false; D]))
 }
 
-fn particle_part(
-    keys: &SceneFile,
+fn particle_part<const D: usize>(
+    keys: &SceneFile<D>,
     walls: Vec<protocol::scene::Wall>,
-    room: Option<&GrainRoom>,
+    room: Option<&GrainRoom<D>>,
     threads: usize,
-) -> ParticleScene {
-    let geometry = keys
-        .coupling
-        .as_ref()
-        .map_or(Geometry::Disk, |coupling| coupling.geometry);
+) -> ParticleScene
+where
+    Dim<D>: Scenic<D>,
+{
+    let geometry = Dim::<D>::geometry(keys.coupling.as_ref());
     let contact = keys.contact.as_ref();
     let friction = contact.map_or(0.0, |contact| contact.friction);
     ParticleScene {
-        dimension: DIMENSION,
+        dimension: D,
         gravity: keys.gravity.acceleration.to_vec(),
         walls,
-        period: room.map_or([None, None], |room| room.period).to_vec(),
+        period: room.map_or([None; D], |room| room.period).to_vec(),
         friction,
         wall_friction: contact
             .and_then(|contact| contact.wall_friction)
@@ -233,22 +242,25 @@ fn particle_part(
     }
 }
 
-fn coupler_part(
-    keys: &SceneFile,
+fn coupler_part<const D: usize>(
+    keys: &SceneFile<D>,
     fluid: Option<FluidScene>,
     particles: Option<ParticleScene>,
-) -> CouplerScene {
+) -> CouplerScene
+where
+    Dim<D>: Scenic<D>,
+{
     // Without both phases there is nothing to couple, and the scheme has no meaning: one pass.
     let uncoupled = Coupling {
         scheme: Some(Scheme::Staggered),
         drag: protocol::scene::DragLaw::Dallavalle,
         reaction: true,
-        geometry: Geometry::Disk,
+        geometry: None,
         adaptive: None,
     };
     let coupling = keys.coupling.as_ref().unwrap_or(&uncoupled);
     CouplerScene {
-        dimension: DIMENSION,
+        dimension: D,
         end_time: keys.run.end_time,
         coupling_step: keys.run.coupling_step,
         step_min: keys.run.step_min,
@@ -270,7 +282,7 @@ fn coupler_part(
         particles,
         scheme: coupling.scheme.unwrap_or(Scheme::Staggered),
         drag: coupling.drag,
-        geometry: coupling.geometry,
+        geometry: Dim::<D>::geometry(Some(coupling)),
         reaction: coupling.reaction,
         output_every: keys.output.every,
         limits: Limits {
@@ -282,7 +294,7 @@ fn coupler_part(
 }
 
 /// What was asked for and has no effect.
-fn warnings(keys: &SceneFile) -> Vec<String> {
+fn warnings<const D: usize>(keys: &SceneFile<D>) -> Vec<String> {
     let mut warnings = Vec::new();
     if keys.engines.fluid.is_some() && keys.fluid.is_none() {
         warnings.push("engines.fluid is not started: the scene has no [fluid]".to_string());

@@ -2,28 +2,33 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use protocol::scene::{Boundary, GrainBoundary, Profile, Wall};
+use protocol::scene::{Boundary, GrainBoundary, Profile, Wall, fixed};
+use space::Dim;
 
 use crate::check::Checker;
-use crate::keys::{DefaultWalls, GrainDomain, Rectangle, SceneFile};
-use crate::outline::{Edge, Outline};
+use crate::dimensions::{Cells, Corners, Scenic, sides, words};
+use crate::keys::{DefaultWalls, GrainDomain, SIDES, SceneFile};
+use crate::outline::{Facet, Outline};
 use crate::walls::{is_along, meets};
 
 /// The sides of a scene with a fluid.
-pub struct Sides<'a> {
+pub struct Sides<'a, const D: usize> {
     /// The scene.
-    pub scene: &'a SceneFile,
-    /// The fluid's rectangle; none: a mesh.
-    pub rectangle: Option<&'a Rectangle>,
+    pub scene: &'a SceneFile<D>,
+    /// The fluid's rectangle or box; none: a mesh.
+    pub cells: Option<&'a Cells<D>>,
     /// Its conditions.
     pub boundaries: &'a BTreeMap<String, Boundary>,
     /// Its outline.
-    pub outline: &'a Outline,
+    pub outline: &'a Outline<D>,
     /// Walls of the grains, besides those of a mesh.
     pub walls: &'a [Wall],
 }
 
-impl Sides<'_> {
+impl<const D: usize> Sides<'_, D>
+where
+    Dim<D>: Scenic<D>,
+{
     /// Refuse what cannot be.
     pub fn check(&self, checker: &mut Checker<'_>) {
         self.walls_move_along_themselves(checker);
@@ -38,12 +43,14 @@ impl Sides<'_> {
             let Boundary::MovingWall { velocity } = condition else {
                 continue;
             };
-            let velocity = [velocity[0], velocity[1]];
-            let mut edges = self.outline.edges.iter().filter(|e| e.boundary == *name);
-            if let Some(edge) = edges.find(|edge| !is_along(velocity, edge.inward())) {
-                let [x, y] = edge.a;
+            let Ok(velocity) = fixed::<D, f64>(velocity) else {
+                continue;
+            };
+            let mut facets = self.outline.facets.iter().filter(|f| f.boundary == *name);
+            if let Some(facet) = facets.find(|facet| !is_along(&velocity, &facet.inward())) {
+                let place = words(&facet.corners[0]);
                 let why = format!(
-                    "a wall moves along itself, and this velocity points across it at ({x:e}, {y:e}) m: \
+                    "a wall moves along itself, and this velocity points across it at {place} m: \
                      turn it, or write {{ inflow = {{ velocity = … }} }}"
                 );
                 checker.refuse(&format!("fluid.boundaries.{name}.no-slip.velocity"), why);
@@ -57,7 +64,7 @@ impl Sides<'_> {
             let key = format!("particles.boundaries.{name}");
             let known: Vec<&str> = self.boundaries.keys().map(String::as_str).collect();
             match self.boundaries.get(name) {
-                _ if self.rectangle.is_some() && particles.domain.is_some() => {
+                _ if self.cells.is_some() && particles.domain.is_some() => {
                     checker.refuse(&key, "[particles.domain] says here which sides are open");
                 }
                 Some(Boundary::Inflow { .. } | Boundary::Open { .. }) => {}
@@ -74,10 +81,10 @@ impl Sides<'_> {
         }
     }
 
-    fn periods_are_the_same(&self, domain: &GrainDomain, checker: &mut Checker<'_>) {
-        for (axis, sides) in [["left", "right"], ["bottom", "top"]].iter().enumerate() {
+    fn periods_are_the_same(&self, domain: &GrainDomain<D>, checker: &mut Checker<'_>) {
+        for (axis, sides) in sides::<D>().chunks_exact(2).enumerate() {
             let fluid = self.boundaries.get(sides[0]) == Some(&Boundary::Periodic);
-            let grains = domain.periodic[axis];
+            let grains = domain.periodic.0[axis];
             if grains && !fluid {
                 checker.refuse(
                     "particles.domain.periodic",
@@ -87,10 +94,10 @@ impl Sides<'_> {
                     ),
                 );
             }
-            let Some(rectangle) = self.rectangle.filter(|_| fluid) else {
+            let Some(cells) = self.cells.filter(|_| fluid) else {
                 continue;
             };
-            let period = rectangle.upper[axis] - rectangle.lower[axis];
+            let period = cells.upper[axis] - cells.lower[axis];
             let own = domain.upper[axis] - domain.lower[axis];
             if grains && (own - period).abs() > 1e-9 * period {
                 checker.refuse(
@@ -102,7 +109,10 @@ impl Sides<'_> {
             }
             let walled = match self.scene.particles.walls {
                 DefaultWalls::None => !self.scene.walls.is_empty(),
-                DefaultWalls::Domain => !domain.open.iter().any(|side| side.name_is(sides)),
+                DefaultWalls::Domain => {
+                    let own = &SIDES[2 * axis..2 * axis + 2];
+                    !domain.open.iter().any(|side| own.contains(side))
+                }
             };
             if !grains && !walled {
                 checker.refuse(
@@ -138,8 +148,8 @@ impl Sides<'_> {
                 velocity,
                 profile: Profile::Parabolic,
             } = condition
-                && self.rectangle.is_some()
-                && self.lies_along(name, [velocity[0], velocity[1]])
+                && self.cells.is_some()
+                && fixed(velocity).is_ok_and(|velocity| self.lies_along(name, &velocity))
             {
                 warnings.push(format!(
                     "the parabolic velocity along {name} moves the fluid only; a uniform one rubs on grains"
@@ -149,25 +159,30 @@ impl Sides<'_> {
         warnings
     }
 
-    fn lies_along(&self, name: &str, velocity: [f64; 2]) -> bool {
-        let mut edges = self.outline.edges.iter().filter(|e| e.boundary == *name);
-        !self.scene.grains.is_empty() && edges.all(|edge| is_along(velocity, edge.inward()))
+    fn lies_along(&self, name: &str, velocity: &[f64; D]) -> bool {
+        let mut facets = self.outline.facets.iter().filter(|f| f.boundary == *name);
+        !self.scene.grains.is_empty() && facets.all(|facet| is_along(velocity, &facet.inward()))
     }
 
     fn of_grains(&self, wall: &Wall) -> Option<String> {
-        let [a, b] = [&wall.corners[0], &wall.corners[1]].map(|corner| [corner[0], corner[1]]);
-        let ends = format!("({:e}, {:e}) to ({:e}, {:e}) m", a[0], a[1], b[0], b[1]);
-        let Some(edge) = self.outline.along(a, b) else {
+        let corners: Result<Vec<[f64; D]>, _> = wall.corners.iter().map(|c| fixed(c)).collect();
+        let corners: Corners<D> = fixed(&corners.ok()?).ok()?;
+        let ends = format!("{} m", corners.map(|corner| words(&corner)).join(" to "));
+        let Some(facet) = self.outline.along(&corners) else {
             return Some(format!(
                 "only grains see the wall from {ends}: the fluid has none there"
             ));
         };
-        match self.boundaries.get(&edge.boundary) {
+        match self.boundaries.get(&facet.boundary) {
             Some(Boundary::Periodic) => Some(format!(
                 "only grains see the wall from {ends}: the fluid is periodic there"
             )),
             Some(Boundary::Open { .. })
-                if !self.scene.particles.boundaries.contains_key(&edge.boundary) =>
+                if !self
+                    .scene
+                    .particles
+                    .boundaries
+                    .contains_key(&facet.boundary) =>
             {
                 Some(format!(
                     "only grains see the wall from {ends}: the fluid is open there"
@@ -179,34 +194,34 @@ impl Sides<'_> {
 
     /// Names of the fluid's walls that are none to grains.
     fn of_fluid(&self) -> Vec<&str> {
-        let theirs = self.rectangle.is_none() && self.scene.particles.walls == DefaultWalls::Domain;
-        let edges = self.outline.edges.iter().filter(|edge| {
+        let theirs = self.cells.is_none() && self.scene.particles.walls == DefaultWalls::Domain;
+        let facets = self.outline.facets.iter().filter(|facet| {
             matches!(
-                self.boundaries.get(&edge.boundary),
+                self.boundaries.get(&facet.boundary),
                 Some(Boundary::NoSlip | Boundary::Slip | Boundary::MovingWall { .. })
             )
         });
-        let bare = edges.filter(|edge| !theirs && !self.is_met(edge));
-        bare.map(|edge| edge.boundary.as_str()).collect()
+        let bare = facets.filter(|facet| !theirs && !self.is_met(facet));
+        bare.map(|facet| facet.boundary.as_str()).collect()
     }
 
-    /// Is a wall of the grains all along an edge?
-    fn is_met(&self, edge: &Edge) -> bool {
+    /// Is a wall of the grains all along a facet?
+    fn is_met(&self, facet: &Facet<D>) -> bool {
         let reach = self.outline.tolerance();
-        let met = |point: &[f64; 2]| self.walls.iter().any(|wall| wall.distance(point) <= reach);
-        [edge.a, edge.middle(), edge.b].iter().all(met)
+        let met = |point: &[f64; D]| self.walls.iter().any(|wall| wall.distance(point) <= reach);
+        met(&facet.middle()) && facet.corners.iter().all(met)
     }
 
     /// Names of the boundaries by which grains leave and are taken out: no wall is all along them.
     pub fn exits(&self) -> Vec<String> {
         let keys = &self.scene.particles.boundaries;
-        let leads_out = |edge: &&Edge| {
-            let condition = self.boundaries.get(&edge.boundary);
-            let met = condition.map(|condition| meets(&edge.boundary, condition, keys));
-            met == Some(GrainBoundary::Removed) && !self.is_met(edge)
+        let leads_out = |facet: &&Facet<D>| {
+            let condition = self.boundaries.get(&facet.boundary);
+            let met = condition.map(|condition| meets(&facet.boundary, condition, keys));
+            met == Some(GrainBoundary::Removed) && !self.is_met(facet)
         };
-        let edges = self.outline.edges.iter().filter(leads_out);
-        let names: BTreeSet<&String> = edges.map(|edge| &edge.boundary).collect();
+        let facets = self.outline.facets.iter().filter(leads_out);
+        let names: BTreeSet<&String> = facets.map(|facet| &facet.boundary).collect();
         names.into_iter().cloned().collect()
     }
 }

@@ -10,7 +10,7 @@ const RESOLVED: f64 = 1e-12;
 
 impl Checker<'_> {
     /// States lie on steps, so none can be nearer to another than the smallest step.
-    pub(crate) fn output_is_resolved(&mut self, scene: &SceneFile, every: f64) {
+    pub(crate) fn output_is_resolved<const D: usize>(&mut self, scene: &SceneFile<D>, every: f64) {
         let adaptive = scene.coupling.as_ref().and_then(|c| c.adaptive);
         let (key, step) = match adaptive {
             Some(adaptive) => ("coupling.adaptive.step_min", adaptive.step_min),
@@ -35,7 +35,7 @@ impl Checker<'_> {
     }
 
     /// Sums of steps must tell the end of a step from its start.
-    pub(crate) fn steps_are_resolved(&mut self, scene: &SceneFile) {
+    pub(crate) fn steps_are_resolved<const D: usize>(&mut self, scene: &SceneFile<D>) {
         let end = scene.run.end_time;
         let adaptive = scene.coupling.as_ref().and_then(|c| c.adaptive);
         let steps = [

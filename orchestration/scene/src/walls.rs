@@ -3,70 +3,99 @@
 use std::collections::BTreeMap;
 
 use protocol::scene::{Boundary, GrainBoundary, Profile, Wall};
+use space::{Dim, Vector, dot, hypot};
 
-use crate::boundaries::SIDES;
 use crate::check::Checker;
-use crate::keys::{DefaultWalls, GrainDomain, Rectangle, SceneFile, Side};
+use crate::dimensions::{Cells, Scenic, sides};
+use crate::keys::{DefaultWalls, GrainDomain, SIDES, SceneFile};
 
-/// The rectangle in which grains move, with what its sides are.
+/// The rectangle or box in which grains move, with what its sides are.
 #[derive(Debug, Clone, PartialEq)]
-pub struct GrainRoom {
-    /// Lower left corner \[m\].
-    pub lower: [f64; 2],
-    /// Upper right corner \[m\].
-    pub upper: [f64; 2],
-    /// Which sides hold grains back: left, right, bottom, top.
-    pub closed: [bool; 4],
-    /// At which the closed sides move along themselves \[m/s\].
-    pub velocity: [Option<[f64; 2]>; 4],
-    /// Period in x and y \[m\].
-    pub period: [Option<f64>; 2],
+pub struct GrainRoom<const D: usize> {
+    /// Lower corner \[m\].
+    pub lower: [f64; D],
+    /// Upper corner \[m\].
+    pub upper: [f64; D],
+    /// Its sides, two an axis.
+    pub sides: Vec<RoomSide<D>>,
+    /// Period along each axis \[m\].
+    pub period: [Option<f64>; D],
+}
+
+/// What a side of it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoomSide<const D: usize> {
+    /// Does it hold grains back?
+    pub closed: bool,
+    /// At which it moves along itself \[m/s\].
+    pub velocity: Option<[f64; D]>,
+}
+
+/// Axes along which opposite sides are joined.
+pub fn joined<const D: usize>(boundaries: &BTreeMap<String, Boundary>) -> [bool; D] {
+    std::array::from_fn(|axis| boundaries.get(sides::<D>()[2 * axis]) == Some(&Boundary::Periodic))
 }
 
 /// The room of a scene; none for a mesh without `[particles.domain]`.
-pub fn room(
-    scene: &SceneFile,
-    rectangle: Option<&Rectangle>,
+pub fn room<const D: usize>(
+    scene: &SceneFile<D>,
+    cells: Option<&Cells<D>>,
     boundaries: &BTreeMap<String, Boundary>,
-) -> Option<GrainRoom> {
-    match (&scene.particles.domain, rectangle) {
-        (Some(domain), _) => Some(of_domain(domain, rectangle, boundaries)),
-        (None, Some(rectangle)) => {
-            let keys = &scene.particles.boundaries;
-            let closed = SIDES.map(|side| {
-                let condition = boundaries.get(side);
-                condition
-                    .is_none_or(|condition| meets(side, condition, keys) == GrainBoundary::Wall)
-            });
-            let periodic =
-                ["left", "bottom"].map(|name| boundaries.get(name) == Some(&Boundary::Periodic));
-            let velocity = SIDES.map(|side| wall_velocity(boundaries.get(side)?, normal(side)));
-            let room = GrainRoom::new(rectangle.lower, rectangle.upper, closed, periodic);
-            Some(GrainRoom { velocity, ..room })
-        }
-        (None, None) => None,
+) -> Option<GrainRoom<D>> {
+    if let Some(domain) = &scene.particles.domain {
+        return Some(of_domain(domain, cells, boundaries));
     }
+    let cells = cells?;
+    let keys = &scene.particles.boundaries;
+    let side = |(number, name): (usize, &&str)| {
+        let condition = boundaries.get(*name);
+        let is_wall = |condition| meets(name, condition, keys) == GrainBoundary::Wall;
+        RoomSide {
+            closed: condition.is_none_or(is_wall),
+            velocity: condition.and_then(|condition| wall_velocity(condition, normal(number))),
+        }
+    };
+    let sides = sides::<D>().iter().enumerate().map(side).collect();
+    let (lower, upper) = (cells.lower, cells.upper);
+    Some(GrainRoom {
+        period: period(&lower, &upper, joined(boundaries)),
+        lower,
+        upper,
+        sides,
+    })
 }
 
 /// What `[particles.domain]` says; a side that is one of the fluid's moves with it.
-fn of_domain(
-    domain: &GrainDomain,
-    rectangle: Option<&Rectangle>,
+fn of_domain<const D: usize>(
+    domain: &GrainDomain<D>,
+    cells: Option<&Cells<D>>,
     boundaries: &BTreeMap<String, Boundary>,
-) -> GrainRoom {
-    let sides = [Side::Left, Side::Right, Side::Bottom, Side::Top];
-    let closed = std::array::from_fn(|side| {
-        !domain.open.contains(&sides[side]) && !domain.periodic[side / 2]
-    });
-    let velocity = std::array::from_fn(|side| {
-        let of = |lower: &[f64; 2], upper: &[f64; 2]| [lower, upper][side % 2][side / 2];
-        let rectangle = rectangle?;
-        let same = of(&domain.lower, &domain.upper) == of(&rectangle.lower, &rectangle.upper);
-        let condition = boundaries.get(SIDES[side]).filter(|_| same)?;
-        wall_velocity(condition, normal(SIDES[side]))
-    });
-    let room = GrainRoom::new(domain.lower, domain.upper, closed, domain.periodic);
-    GrainRoom { velocity, ..room }
+) -> GrainRoom<D> {
+    let velocity = |side: usize| {
+        let of = |lower: &[f64; D], upper: &[f64; D]| [lower, upper][side % 2][side / 2];
+        let cells = cells?;
+        let same = of(&domain.lower, &domain.upper) == of(&cells.lower, &cells.upper);
+        let condition = boundaries.get(sides::<D>()[side]).filter(|_| same)?;
+        wall_velocity(condition, normal(side))
+    };
+    let side = |side: usize| RoomSide {
+        closed: !domain.open.contains(&SIDES[side]) && !domain.periodic.0[side / 2],
+        velocity: velocity(side),
+    };
+    GrainRoom {
+        lower: domain.lower,
+        upper: domain.upper,
+        sides: (0..2 * D).map(side).collect(),
+        period: period(&domain.lower, &domain.upper, domain.periodic.0),
+    }
+}
+
+fn period<const D: usize>(
+    lower: &[f64; D],
+    upper: &[f64; D],
+    periodic: [bool; D],
+) -> [Option<f64>; D] {
+    std::array::from_fn(|axis| periodic[axis].then(|| upper[axis] - lower[axis]))
 }
 
 /// What grains meet at a boundary of the fluid.
@@ -86,15 +115,15 @@ pub fn meets(
 
 /// Velocity \[m/s\] of the wall that grains meet where the fluid has this condition; none: it rests, as
 /// one that the fluid crosses does.
-fn wall_velocity(condition: &Boundary, normal: [f64; 2]) -> Option<[f64; 2]> {
+fn wall_velocity<const D: usize>(condition: &Boundary, normal: Vector<D>) -> Option<[f64; D]> {
     match condition {
         Boundary::MovingWall { velocity }
         | Boundary::Inflow {
             velocity,
             profile: Profile::Uniform,
         } => {
-            let velocity = [velocity[0], velocity[1]];
-            let moves = velocity != [0.0; 2] && is_along(velocity, normal);
+            let velocity: [f64; D] = velocity[..].try_into().ok()?;
+            let moves = velocity != [0.0; D] && is_along(&velocity, &normal);
             moves.then_some(velocity)
         }
         _ => None,
@@ -102,54 +131,45 @@ fn wall_velocity(condition: &Boundary, normal: [f64; 2]) -> Option<[f64; 2]> {
 }
 
 /// Does a velocity lead along a boundary with this normal, but for round-off?
-pub fn is_along(velocity: [f64; 2], normal: [f64; 2]) -> bool {
-    let across = velocity[0] * normal[0] + velocity[1] * normal[1];
-    across.abs() <= 1e-6 * f64::hypot(velocity[0], velocity[1])
+pub fn is_along<const D: usize>(velocity: &[f64; D], normal: &Vector<D>) -> bool {
+    let velocity = Vector::from(*velocity);
+    dot(&velocity, normal).abs() <= 1e-6 * hypot(&velocity)
 }
 
-/// Of a side of a rectangle, into it.
-fn normal(side: &str) -> [f64; 2] {
-    match side {
-        "left" => [1.0, 0.0],
-        "right" => [-1.0, 0.0],
-        "bottom" => [0.0, 1.0],
-        _ => [0.0, -1.0],
-    }
+/// Of a side of a rectangle or box, into it.
+fn normal<const D: usize>(side: usize) -> Vector<D> {
+    let inward = [1.0, -1.0][side % 2];
+    space::vector::from_fn(|axis| if axis == side / 2 { inward } else { 0.0 })
 }
 
-impl GrainRoom {
-    fn new(lower: [f64; 2], upper: [f64; 2], closed: [bool; 4], periodic: [bool; 2]) -> Self {
-        let period = std::array::from_fn(|axis| periodic[axis].then(|| upper[axis] - lower[axis]));
-        GrainRoom {
-            lower,
-            upper,
-            closed,
-            velocity: [None; 4],
-            period,
-        }
-    }
-
-    /// The closed sides, counter-clockwise: grains stay on the left of a → b.
+impl<const D: usize> GrainRoom<D>
+where
+    Dim<D>: Scenic<D>,
+{
+    /// The closed sides.
     fn walls(&self) -> Vec<Wall> {
-        let ([left, bottom], [right, top]) = (self.lower, self.upper);
-        let sides = [
-            ([left, top], [left, bottom]),
-            ([right, bottom], [right, top]),
-            ([left, bottom], [right, bottom]),
-            ([right, top], [left, top]),
-        ];
-        sides
-            .into_iter()
-            .zip(self.velocity)
-            .zip(self.closed)
-            .filter(|(_, closed)| *closed)
-            .map(|(((a, b), velocity), _)| Wall::segment(a, b).moving(velocity))
-            .collect()
+        let closed = self
+            .sides
+            .iter()
+            .enumerate()
+            .filter(|(_, side)| side.closed);
+        let walls = closed.flat_map(|(number, side)| {
+            let facets = Dim::<D>::side(&self.lower, &self.upper, number).into_iter();
+            facets.map(|corners| Wall::of(&corners, side.velocity))
+        });
+        walls.collect()
     }
 }
 
-/// All wall segments of a scene; those of a mesh come from the fluid engine.
-pub fn walls(scene: &SceneFile, room: Option<&GrainRoom>, checker: &mut Checker<'_>) -> Vec<Wall> {
+/// All walls of a scene; those of a mesh come from the fluid engine.
+pub fn walls<const D: usize>(
+    scene: &SceneFile<D>,
+    room: Option<&GrainRoom<D>>,
+    checker: &mut Checker<'_>,
+) -> Vec<Wall>
+where
+    Dim<D>: Scenic<D>,
+{
     let mut walls = match (scene.particles.walls, room) {
         (DefaultWalls::None, _) => Vec::new(),
         (DefaultWalls::Domain, Some(room)) => room.walls(),
@@ -164,14 +184,19 @@ pub fn walls(scene: &SceneFile, room: Option<&GrainRoom>, checker: &mut Checker<
             Vec::new()
         }
     };
-    let own = scene.walls.iter();
-    walls.extend(own.map(|wall| Wall::segment(wall.from, wall.to).moving(wall.velocity)));
+    for keys in &scene.walls {
+        // What is wrong with one was told before.
+        let facets = Dim::<D>::wall(keys).unwrap_or_default().into_iter();
+        walls.extend(
+            facets.map(|corners| Wall::of(&corners, keys.velocity.map(|velocity| velocity.0))),
+        );
+    }
     walls
 }
 
 /// What grains meet at each boundary of the fluid's mesh, where its walls are theirs.
-pub fn of_mesh(
-    scene: &SceneFile,
+pub fn of_mesh<const D: usize>(
+    scene: &SceneFile<D>,
     boundaries: &BTreeMap<String, Boundary>,
 ) -> Option<BTreeMap<String, GrainBoundary>> {
     let fluid = scene.fluid.as_ref()?;

@@ -79,13 +79,13 @@ fn snapshot(scene: &Scene, mesh: &[(Field, Vec<f64>)], number: u64, last: u64) -
         let position = scene
             .grains
             .position
-            .iter()
+            .chunks_exact(2)
             .flat_map(|p| [p[0] * (1.0 + share), p[1] - fall]);
         fields.push((Field::GrainPosition, position.collect()));
         let velocity = scene
             .grains
             .position
-            .iter()
+            .chunks_exact(2)
             .flat_map(|p| [0.0, -speed * (1.0 + p[1])]);
         fields.push((Field::GrainVelocity, velocity.collect()));
     }

@@ -67,7 +67,7 @@ pub fn csv(bytes: &[u8]) {
     in_folder(|folder| {
         let path = folder.join("grains.csv");
         std::fs::write(&path, bytes).expect("written");
-        let _ = scene::grains::of_run(&path);
+        let _ = scene::grains::of_run(&path, 2);
     });
 }
 

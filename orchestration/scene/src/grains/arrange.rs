@@ -1,42 +1,40 @@
-//! Arrangements of clouds and boxes: at random without overlap, sunflower.
+//! Arrangements of clouds and boxes: at random without overlap, in the plane as a sunflower.
 
 use std::f64::consts::PI;
 
+use space::Dim;
+
 use super::neighbours::Neighbours;
 use super::random::Random;
+use crate::dimensions::Scenic;
 
 /// Where a random population goes.
-pub enum Region {
+pub enum Region<const D: usize> {
     /// Centres lie within the radius.
-    Disk {
+    Ball {
         /// Centre \[m\].
-        centre: [f64; 2],
+        centre: [f64; D],
         /// Radius \[m\].
         radius: f64,
     },
     /// Whole grains lie within, except across sides where the box wraps.
     Box {
-        /// Lower left corner \[m\].
-        lower: [f64; 2],
-        /// Upper right corner \[m\].
-        upper: [f64; 2],
-        /// Does it span a whole period in x and y?
-        wraps: [bool; 2],
+        /// Lower corner \[m\].
+        lower: [f64; D],
+        /// Upper corner \[m\].
+        upper: [f64; D],
+        /// Does it span a whole period along each axis?
+        wraps: [bool; D],
     },
 }
 
-impl Region {
-    fn sample(&self, grain_radius: f64, random: &mut Random) -> [f64; 2] {
+impl<const D: usize> Region<D>
+where
+    Dim<D>: Scenic<D>,
+{
+    fn sample(&self, grain_radius: f64, random: &mut Random) -> [f64; D] {
         match self {
-            Region::Disk { centre, radius } => {
-                // Area grows with the square of the distance.
-                let distance = radius * random.unit().sqrt();
-                let angle = 2.0 * PI * random.unit();
-                [
-                    centre[0] + distance * angle.cos(),
-                    centre[1] + distance * angle.sin(),
-                ]
-            }
+            Region::Ball { centre, radius } => Dim::<D>::in_ball(centre, *radius, random),
             Region::Box {
                 lower,
                 upper,
@@ -53,26 +51,29 @@ impl Region {
 const TRIES_MAX: usize = 200_000;
 
 /// Random sequential placing; the error is how many were placed.
-pub fn at_random(
-    region: &Region,
+pub fn at_random<const D: usize>(
+    region: &Region<D>,
     radii: &[f64],
     fixed: bool,
     random: &mut Random,
-    others: &Neighbours,
-) -> Result<Vec<([f64; 2], f64)>, usize> {
-    let mut placed: Vec<([f64; 2], f64)> = Vec::with_capacity(radii.len());
+    others: &Neighbours<D>,
+) -> Result<Vec<([f64; D], f64)>, usize>
+where
+    Dim<D>: Scenic<D>,
+{
+    let mut placed: Vec<([f64; D], f64)> = Vec::with_capacity(radii.len());
     let mut own = others.like();
     for &radius in radii {
         let spot = (0..TRIES_MAX)
             .map(|_| region.sample(radius, random))
             .find(|&position| {
-                own.overlap(position, radius, false, 0.0).is_none()
-                    && others.overlap(position, radius, fixed, 0.0).is_none()
+                own.overlap(&position, radius, false, 0.0).is_none()
+                    && others.overlap(&position, radius, fixed, 0.0).is_none()
             });
         let Some(position) = spot else {
             return Err(placed.len());
         };
-        own.insert(position, radius, false);
+        own.insert(&position, radius, false);
         placed.push((position, radius));
     }
     Ok(placed)
@@ -83,7 +84,11 @@ pub fn at_random(
 /// ```text
 ///   ρ_k = R √((k + ½)/N),   θ_k = k π (3 − √5)          (Vogel 1979)
 /// ```
-pub fn sunflower(centre: [f64; 2], cloud_radius: f64, radii: &[f64]) -> Vec<([f64; 2], f64)> {
+pub fn sunflower<const D: usize>(
+    centre: &[f64; D],
+    cloud_radius: f64,
+    radii: &[f64],
+) -> Vec<([f64; D], f64)> {
     let golden_angle = PI * (3.0 - 5.0_f64.sqrt());
     let count = radii.len() as f64;
     radii
@@ -98,13 +103,10 @@ pub fn sunflower(centre: [f64; 2], cloud_radius: f64, radii: &[f64]) -> Vec<([f6
             };
             let distance = cloud_radius * share.sqrt();
             let angle = index as f64 * golden_angle;
-            (
-                [
-                    centre[0] + distance * angle.cos(),
-                    centre[1] + distance * angle.sin(),
-                ],
-                radius,
-            )
+            let mut place = *centre;
+            place[0] += distance * angle.cos();
+            place[1] += distance * angle.sin();
+            (place, radius)
         })
         .collect()
 }

@@ -1,16 +1,24 @@
-//! Grains from a CSV file: x, y, radius[, density][, vx, vy][, fixed], in SI units or in those that
+//! Grains from a CSV file: x, y, radius[, density][, vx, vy][, fixed], in space z and vz too, in SI units or in those that
 //! the header gives in brackets, as in `x [mm]`; between commas, or semicolons.
 
 use std::path::Path;
 
 use super::table::{Grain, GrainTable};
-use crate::keys::Grains;
+use crate::dimensions::AXES;
+use crate::keys::{Grains, Numbers};
 use crate::memory;
 
-const COLUMNS: [&str; 7] = ["x", "y", "radius", "density", "vx", "vy", "fixed"];
+/// Names of the columns of velocities.
+const VELOCITY: [&str; 3] = ["vx", "vy", "vz"];
+
+/// Names of all columns in a scene of this dimension.
+fn known(dimension: usize) -> Vec<&'static str> {
+    let (places, speeds) = (&AXES[..dimension], &VELOCITY[..dimension]);
+    [places, &["radius", "density"], speeds, &["fixed"]].concat()
+}
 
 /// Read the file of a population.
-pub fn read(path: &Path, population: &Grains) -> Result<Vec<Grain>, String> {
+pub fn read<const D: usize>(path: &Path, population: &Grains<D>) -> Result<Vec<Grain<D>>, String> {
     let at = path.display();
     let unreadable = |error: std::io::Error| format!("{at} cannot be read: {error}");
     let about = std::fs::metadata(path).map_err(unreadable)?;
@@ -32,7 +40,7 @@ pub fn read(path: &Path, population: &Grains) -> Result<Vec<Grain>, String> {
         .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
     let (_, header) = lines.next().ok_or_else(|| format!("{at} is empty"))?;
     let separator = separator(header);
-    let header = columns(header).map_err(|why| format!("{at}: {why}"))?;
+    let header = columns::<D>(header).map_err(|why| format!("{at}: {why}"))?;
     if population.density.is_none() && !header.iter().any(|column| column.name == "density") {
         return Err(format!(
             "{at} has no column density: add it, or write density beside file"
@@ -52,11 +60,18 @@ pub fn read(path: &Path, population: &Grains) -> Result<Vec<Grain>, String> {
 }
 
 /// Read the grains that a run folder keeps.
-pub fn of_run(path: &Path) -> Result<GrainTable, String> {
-    let population = Grains {
+pub fn of_run(path: &Path, dimension: usize) -> Result<GrainTable, String> {
+    match dimension {
+        3 => table::<3>(path),
+        _ => table::<2>(path),
+    }
+}
+
+fn table<const D: usize>(path: &Path) -> Result<GrainTable, String> {
+    let population = Grains::<D> {
         density: None,
         radius: None,
-        velocity: [0.0; 2],
+        velocity: Numbers::default(),
         fixed: false,
         cloud: None,
         lattice: None,
@@ -96,9 +111,9 @@ const VELOCITIES: [(&str, f64); 3] = [("m/s", 1.0), ("cm/s", 1e-2), ("mm/s", 1e-
 /// The units of a column.
 fn units(name: &str) -> &'static [(&'static str, f64)] {
     match name {
-        "x" | "y" | "radius" => &LENGTHS,
+        "x" | "y" | "z" | "radius" => &LENGTHS,
         "density" => &DENSITIES,
-        "vx" | "vy" => &VELOCITIES,
+        "vx" | "vy" | "vz" => &VELOCITIES,
         _ => &[],
     }
 }
@@ -108,7 +123,7 @@ fn separator(header: &str) -> char {
     if header.contains(';') { ';' } else { ',' }
 }
 
-fn column(word: &str) -> Result<Column, String> {
+fn column<const D: usize>(word: &str) -> Result<Column, String> {
     let (name, unit) = match word.split_once('[') {
         Some((name, rest)) => {
             let unit = rest.trim_end().strip_suffix(']');
@@ -117,9 +132,10 @@ fn column(word: &str) -> Result<Column, String> {
         }
         None => (word.trim(), None),
     };
-    let known = COLUMNS.into_iter().find(|known| *known == name);
+    let names = known(D);
+    let known = names.iter().find(|known| **known == name).copied();
     let name =
-        known.ok_or_else(|| format!("unknown column {name} (columns: {})", COLUMNS.join(", ")))?;
+        known.ok_or_else(|| format!("unknown column {name} (columns: {})", names.join(", ")))?;
     let Some(unit) = unit.filter(|unit| !matches!(*unit, "" | "-" | "–" | "1")) else {
         return Ok(Column { name, factor: 1.0 });
     };
@@ -138,28 +154,28 @@ fn column(word: &str) -> Result<Column, String> {
     })
 }
 
-fn columns(header: &str) -> Result<Vec<Column>, String> {
+fn columns<const D: usize>(header: &str) -> Result<Vec<Column>, String> {
     let mut found: Vec<Column> = Vec::new();
     for word in header.split(separator(header)) {
-        let new = column(word)?;
+        let new = column::<D>(word)?;
         if found.iter().any(|old| old.name == new.name) {
             return Err(format!("column {} appears twice", new.name));
         }
         found.push(new);
     }
     let missing = |name: &&&str| !found.iter().any(|old| old.name == **name);
-    match ["x", "y", "radius"].iter().find(missing) {
+    match AXES[..D].iter().chain(&["radius"]).find(missing) {
         Some(name) => Err(format!("column {name} is missing")),
         None => Ok(found),
     }
 }
 
-fn row(
+fn row<const D: usize>(
     line: &str,
     separator: char,
     header: &[Column],
-    population: &Grains,
-) -> Result<Grain, String> {
+    population: &Grains<D>,
+) -> Result<Grain<D>, String> {
     let words: Vec<&str> = line.split(separator).map(str::trim).collect();
     if words.len() != header.len() {
         return Err(format!(
@@ -169,10 +185,10 @@ fn row(
         ));
     }
     let mut grain = Grain {
-        position: [0.0; 2],
+        position: [0.0; D],
         radius: 0.0,
         density: population.density.unwrap_or(0.0),
-        velocity: population.velocity,
+        velocity: population.velocity.0,
         fixed: population.fixed,
     };
     for (Column { name, factor }, word) in header.iter().zip(words) {
@@ -183,13 +199,12 @@ fn row(
             return Err(format!("{name} = {word} is not finite"));
         }
         let value = value * factor;
-        match *name {
-            "x" => grain.position[0] = value,
-            "y" => grain.position[1] = value,
-            "radius" => grain.radius = value,
-            "density" => grain.density = value,
-            "vx" => grain.velocity[0] = value,
-            "vy" => grain.velocity[1] = value,
+        let along = |names: [&str; 3]| names.iter().position(|axis| axis == name);
+        match (*name, along(AXES), along(VELOCITY)) {
+            (_, Some(axis), _) => grain.position[axis] = value,
+            (_, _, Some(axis)) => grain.velocity[axis] = value,
+            ("radius", ..) => grain.radius = value,
+            ("density", ..) => grain.density = value,
             _ => grain.fixed = value != 0.0,
         }
     }

@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
+use space::Dim;
+
 use super::neighbours::Neighbours;
 use super::table::{Grain, GrainTable};
 use super::{file, place};
 use crate::check::Checker;
+use crate::dimensions::{Scenic, sides, words};
 use crate::keys::Grains;
 use crate::outline::Outline;
 use crate::walls::GrainRoom;
@@ -15,12 +18,15 @@ use crate::walls::GrainRoom;
 const OVERLAP_MAX: f64 = 0.01;
 
 /// Place every population; what cannot be placed is a problem of its key.
-pub fn generate(
-    populations: &[Grains],
+pub fn generate<const D: usize>(
+    populations: &[Grains<D>],
     folder: &Path,
-    (room, fluid): (Option<&GrainRoom>, Option<&Outline>),
+    (room, fluid): (Option<&GrainRoom<D>>, Option<&Outline<D>>),
     checker: &mut Checker<'_>,
-) -> GrainTable {
+) -> GrainTable
+where
+    Dim<D>: Scenic<D>,
+{
     let mut table = GrainTable::default();
     let files: Vec<_> = populations
         .iter()
@@ -39,7 +45,7 @@ pub fn generate(
             _ => grains.radius.map_or(0.0, |radius| radius.max()),
         })
         .fold(0.0, f64::max);
-    let period = room.map_or([None, None], |room| room.period);
+    let period = room.map_or([None; D], |room| room.period);
     let mut neighbours = Neighbours::new(2.0 * largest, period);
     for (index, (grains, file)) in populations.iter().zip(files).enumerate() {
         let key = format!("grains[{index}]");
@@ -63,14 +69,23 @@ pub fn generate(
 }
 
 /// The first grain that is wider than its domain or the fluid's, also where their sides are open or periodic.
-fn too_wide(rows: &[Grain], room: Option<&GrainRoom>, fluid: Option<&Outline>) -> Option<String> {
-    let of_room = |room: &GrainRoom| [0, 1].map(|axis| room.upper[axis] - room.lower[axis]);
+fn too_wide<const D: usize>(
+    rows: &[Grain<D>],
+    room: Option<&GrainRoom<D>>,
+    fluid: Option<&Outline<D>>,
+) -> Option<String>
+where
+    Dim<D>: Scenic<D>,
+{
+    let of_room = |room: &GrainRoom<D>| -> [f64; D] {
+        std::array::from_fn(|axis| room.upper[axis] - room.lower[axis])
+    };
     let sides = room
         .map(of_room)
         .into_iter()
         .chain(fluid.map(Outline::size));
     let narrowest = sides.flatten().fold(f64::INFINITY, f64::min);
-    let is_wide = |grain: &Grain| 2.0 * grain.radius > narrowest * (1.0 + OVERLAP_MAX);
+    let is_wide = |grain: &Grain<D>| 2.0 * grain.radius > narrowest * (1.0 + OVERLAP_MAX);
     let number = rows.iter().position(is_wide)?;
     let diameter = 2.0 * rows[number].radius;
     Some(format!(
@@ -80,25 +95,31 @@ fn too_wide(rows: &[Grain], room: Option<&GrainRoom>, fluid: Option<&Outline>) -
 }
 
 /// The first grain that overlaps another one or lies outside; adds those before it to `neighbours`.
-fn misplaced(
-    rows: &[Grain],
-    room: Option<&GrainRoom>,
-    neighbours: &mut Neighbours,
+fn misplaced<const D: usize>(
+    rows: &[Grain<D>],
+    room: Option<&GrainRoom<D>>,
+    neighbours: &mut Neighbours<D>,
 ) -> Option<String> {
     rows.iter().enumerate().find_map(|(number, grain)| {
         let why = wrong_place(grain, room, neighbours);
-        neighbours.insert(grain.position, grain.radius, grain.fixed);
-        let ([x, y], radius) = (grain.position, grain.radius);
+        neighbours.insert(&grain.position, grain.radius, grain.fixed);
+        let (place, radius) = (words(&grain.position), grain.radius);
         why.map(|why| {
-            format!("grain {number} of this population, at ({x:e}, {y:e}) m with radius {radius:e} m, {why}")
+            format!(
+                "grain {number} of this population, at {place} m with radius {radius:e} m, {why}"
+            )
         })
     })
 }
 
 /// What is wrong with the place of a grain.
-fn wrong_place(grain: &Grain, room: Option<&GrainRoom>, neighbours: &Neighbours) -> Option<String> {
+fn wrong_place<const D: usize>(
+    grain: &Grain<D>,
+    room: Option<&GrainRoom<D>>,
+    neighbours: &Neighbours<D>,
+) -> Option<String> {
     let allowed = OVERLAP_MAX * grain.radius;
-    if let Some(overlap) = neighbours.overlap(grain.position, grain.radius, grain.fixed, allowed) {
+    if let Some(overlap) = neighbours.overlap(&grain.position, grain.radius, grain.fixed, allowed) {
         return Some(format!(
             "overlaps another grain by {overlap:e} m; at most {OVERLAP_MAX} of the radius is allowed"
         ));
@@ -108,23 +129,25 @@ fn wrong_place(grain: &Grain, room: Option<&GrainRoom>, neighbours: &Neighbours)
 }
 
 /// The first grain that is not in the fluid.
-fn beside(rows: &[Grain], fluid: &Outline) -> Option<String> {
+fn beside<const D: usize>(rows: &[Grain<D>], fluid: &Outline<D>) -> Option<String>
+where
+    Dim<D>: Scenic<D>,
+{
     let number = rows
         .iter()
-        .position(|grain| !fluid.contains(grain.position))?;
-    let [x, y] = rows[number].position;
+        .position(|grain| !fluid.contains(&grain.position))?;
+    let place = words(&rows[number].position);
     Some(format!(
-        "grain {number} of this population, at ({x:e}, {y:e}) m, is outside the fluid's domain, or in a hole \
+        "grain {number} of this population, at {place} m, is outside the fluid's domain, or in a hole \
          of it"
     ))
 }
 
 /// The side that a grain crosses; fixed grains may stand in a wall, open sides stop centres only.
-fn outside(grain: &Grain, room: &GrainRoom) -> Option<&'static str> {
-    let sides = crate::boundaries::SIDES;
-    (0..4).find_map(|side| {
+fn outside<const D: usize>(grain: &Grain<D>, room: &GrainRoom<D>) -> Option<&'static str> {
+    sides::<D>().iter().enumerate().find_map(|(side, name)| {
         let axis = side / 2;
-        let reach = if room.closed[side] && !grain.fixed {
+        let reach = if room.sides[side].closed && !grain.fixed {
             grain.radius
         } else {
             0.0
@@ -134,6 +157,6 @@ fn outside(grain: &Grain, room: &GrainRoom) -> Option<&'static str> {
             0 => grain.position[axis] - room.lower[axis],
             _ => room.upper[axis] - grain.position[axis],
         };
-        (distance < allowed).then_some(sides[side])
+        (distance < allowed).then_some(*name)
     })
 }

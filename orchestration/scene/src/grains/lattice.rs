@@ -1,19 +1,25 @@
-//! Square and hexagonal lattices in a rectangle.
+//! Lattices in a rectangle or box: rows above each other, or hexagonal.
 //!
-//! Along an axis over which the domain is periodic, whole cells fill the rectangle, so that the
-//! lattice continues across the side. Elsewhere whole grains must fit: the outermost ones keep
-//! their radius, or their share of a cell, from the side.
+//! Along an axis over which the domain is periodic, whole cells fill it, so that the lattice continues across
+//! the side. Elsewhere whole grains must fit: the outermost ones keep their radius, or their share of a cell,
+//! from the side.
 
-use crate::keys::{Lattice, Pattern};
+use space::Dim;
 
-/// A rectangle to be filled, with what decides how near to its sides grains may be.
-pub struct Frame<'a> {
+use crate::dimensions::Scenic;
+use crate::keys::Lattice;
+
+/// The axis along which rows or layers lie above each other.
+const UP: usize = 1;
+
+/// A place to be filled, with what decides how near to its sides grains may be.
+pub struct Frame<'a, const D: usize> {
     /// Keys of the lattice.
-    pub lattice: &'a Lattice,
+    pub lattice: &'a Lattice<D>,
     /// Largest radius \[m\].
     pub radius: f64,
-    /// Does the rectangle span a whole period in x and y?
-    pub wraps: [bool; 2],
+    /// Does it span a whole period along each axis?
+    pub wraps: [bool; D],
 }
 
 /// Points along one axis: the first, the distance between two, how many.
@@ -25,56 +31,48 @@ struct Row {
 }
 
 /// A lattice that is decided, and not made yet.
-pub struct Rows {
-    across: Row,
-    up: Row,
-    /// How far every second row is shifted \[m\].
-    shift: f64,
+pub struct Rows<'a, const D: usize> {
+    lattice: &'a Lattice<D>,
+    rows: [Row; D],
 }
 
-impl Frame<'_> {
+impl<'a, const D: usize> Frame<'a, D>
+where
+    Dim<D>: Scenic<D>,
+{
     fn side(&self, axis: usize) -> f64 {
         self.lattice.upper[axis] - self.lattice.lower[axis]
     }
 
-    fn hexagonal(&self) -> bool {
-        self.lattice.pattern == Pattern::Hexagonal
-    }
-
-    /// How far rows are shifted against each other, in pitches: only along x of a hexagonal one.
+    /// How far rows are shifted against each other at most, in pitches.
     fn shift(&self, axis: usize) -> f64 {
-        if self.hexagonal() && axis == 0 {
-            0.5
-        } else {
-            0.0
-        }
+        let shifts = [0, 1].map(|odd| Dim::<D>::shift(self.lattice.pattern, &[odd; D])[axis]);
+        let one = std::array::from_fn(|k| usize::from(k == UP));
+        let alone = Dim::<D>::shift(self.lattice.pattern, &one)[axis];
+        shifts.into_iter().fold(alone, f64::max)
     }
 
-    /// Height over width of a lattice cell.
-    fn aspect(&self) -> f64 {
-        if self.hexagonal() {
-            0.75_f64.sqrt()
-        } else {
-            1.0
-        }
+    /// Distance along an axis, of that between neighbours.
+    fn aspect(&self, axis: usize) -> f64 {
+        Dim::<D>::pitch(self.lattice.pattern, axis)
     }
 
-    fn rows(&self, [across, up]: [Row; 2]) -> Rows {
-        let shift = self.shift(0) * across.pitch;
-        Rows { across, up, shift }
+    fn rows(&self, rows: [Row; D]) -> Rows<'a, D> {
+        let lattice = self.lattice;
+        Rows { lattice, rows }
     }
 
     /// A lattice with this distance between neighbours, centred.
-    pub fn with_spacing(&self, spacing: f64) -> Rows {
-        let rows = [spacing, spacing * self.aspect()];
-        let rows = [0, 1].map(|axis| {
-            let (side, pitch, shift) = (self.side(axis), rows[axis], self.shift(axis));
+    pub fn with_spacing(&self, spacing: f64) -> Rows<'a, D> {
+        self.rows(std::array::from_fn(|axis| {
+            let (side, shift) = (self.side(axis), self.shift(axis));
+            let pitch = spacing * self.aspect(axis);
             let room = if self.wraps[axis] {
                 side / pitch
             } else {
                 (side - 2.0 * self.radius) / pitch + 1.0 - shift
             };
-            // A rectangle made for whole cells must not lose one to round-off.
+            // A domain made for whole cells must not lose one to round-off.
             let count = (room * (1.0 + 1e-12)).floor().max(0.0);
             let extent = (count - 1.0 + shift) * pitch;
             Row {
@@ -82,20 +80,25 @@ impl Frame<'_> {
                 pitch,
                 count,
             }
-        });
-        self.rows(rows)
+        }))
     }
 
-    /// A lattice with as many grains as make this solid fraction of the rectangle.
-    pub fn with_fraction(&self, fraction: f64, grain_area: f64) -> Rows {
-        let cell_area = grain_area / fraction;
-        let ideal = (cell_area / self.aspect()).sqrt();
-        let columns = (self.side(0) / ideal).round().max(1.0);
-        // Rows make up for what rounding the columns changed.
-        let rows = (self.side(0) * self.side(1) / cell_area / columns)
-            .round()
-            .max(1.0);
-        self.rows([(0, columns), (1, rows)].map(|(axis, count)| self.fitted(axis, count)))
+    /// A lattice with as many grains as make this solid fraction.
+    pub fn with_fraction(&self, fraction: f64, grain: f64) -> Rows<'a, D> {
+        let cell = grain / fraction;
+        let aspects: f64 = (0..D).map(|axis| self.aspect(axis)).product();
+        let ideal = space::simplex::cube_edge::<D>(cell / aspects);
+        let mut counts = [1.0; D];
+        for axis in (0..D).filter(|&axis| axis != UP) {
+            counts[axis] = (self.side(axis) / (self.aspect(axis) * ideal))
+                .round()
+                .max(1.0);
+        }
+        // The rows above each other make up for what rounding the others changed.
+        let content: f64 = (0..D).map(|axis| self.side(axis)).product();
+        let others: f64 = counts.iter().product();
+        counts[UP] = (content / cell / others).round().max(1.0);
+        self.rows(std::array::from_fn(|axis| self.fitted(axis, counts[axis])))
     }
 
     /// `count` points over the whole side.
@@ -123,33 +126,59 @@ impl Frame<'_> {
     }
 }
 
-impl Rows {
+impl<const D: usize> Rows<'_, D>
+where
+    Dim<D>: Scenic<D>,
+{
     /// How many points.
     pub fn count(&self) -> f64 {
-        self.across.count * self.up.count
+        self.rows.iter().map(|row| row.count).product()
     }
 
     /// The smallest distance between two points \[m\].
     pub fn nearest(&self) -> f64 {
-        let apart = |row: Row, distance: f64| match row.count > 1.0 {
-            true => distance,
-            false => f64::INFINITY,
+        let few = self.rows.map(|row| row.count.min(3.0) as usize);
+        let points = self.first(few);
+        let apart = |(k, a): (usize, &[f64; D])| {
+            let others = points[..k].iter();
+            let distance = |b: &[f64; D]| (0..D).fold(0.0, |sum, d| f64::hypot(sum, a[d] - b[d]));
+            others.map(distance).fold(f64::INFINITY, f64::min)
         };
-        let within_row = apart(self.across, self.across.pitch);
-        within_row.min(apart(self.up, self.shift.hypot(self.up.pitch)))
+        points
+            .iter()
+            .enumerate()
+            .map(apart)
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// The points.
-    pub fn points(&self) -> Vec<[f64; 2]> {
-        let (columns, rows) = (self.across.count as usize, self.up.count as usize);
-        let mut positions = Vec::with_capacity(columns * rows);
-        for row in 0..rows {
-            let shift = self.shift * (row % 2) as f64;
-            for column in 0..columns {
-                let x = self.across.first + shift + column as f64 * self.across.pitch;
-                positions.push([x, self.up.first + row as f64 * self.up.pitch]);
-            }
+    pub fn points(&self) -> Vec<[f64; D]> {
+        self.first(self.rows.map(|row| row.count as usize))
+    }
+
+    /// As many points along each axis, row by row and layer by layer.
+    fn first(&self, counts: [usize; D]) -> Vec<[f64; D]> {
+        let mut points = Vec::with_capacity(counts.iter().product());
+        // Along x first, upward last.
+        let order: Vec<usize> = (0..D).filter(|&axis| axis != UP).chain([UP]).collect();
+        let mut number = [0; D];
+        if counts.contains(&0) {
+            return points;
         }
-        positions
+        loop {
+            let shift = Dim::<D>::shift(self.lattice.pattern, &number);
+            points.push(std::array::from_fn(|axis| {
+                let Row { first, pitch, .. } = self.rows[axis];
+                first + shift[axis] * pitch + number[axis] as f64 * pitch
+            }));
+            let next = order.iter().find(|&&axis| number[axis] + 1 < counts[axis]);
+            let Some(&axis) = next else {
+                return points;
+            };
+            for &before in order.iter().take_while(|&&before| before != axis) {
+                number[before] = 0;
+            }
+            number[axis] += 1;
+        }
     }
 }

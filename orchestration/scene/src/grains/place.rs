@@ -1,12 +1,13 @@
 //! One population: how many grains, which radii, where.
 
-use std::f64::consts::PI;
+use space::Dim;
 
 use super::arrange::{self, Region};
 use super::lattice::Frame;
 use super::neighbours::Neighbours;
 use super::random::Random;
 use super::table::Grain;
+use crate::dimensions::Scenic;
 use crate::keys::{Arrangement, Cloud, FilledBox, Grains, Lattice, Pattern, Radius};
 use crate::memory;
 use crate::walls::GrainRoom;
@@ -14,16 +15,16 @@ use crate::walls::GrainRoom;
 /// Key and message of what cannot be placed.
 pub type Refusal = (String, String);
 
-/// Solid fraction above which random placing of equal disks becomes hopeless (it jams at 0.547).
-const RANDOM_FRACTION_MAX: f64 = 0.5;
-
 /// Place a population that does not come from a file.
-pub fn place(
+pub fn place<const D: usize>(
     key: &str,
-    grains: &Grains,
-    room: Option<&GrainRoom>,
-    neighbours: &Neighbours,
-) -> Result<Vec<Grain>, Refusal> {
+    grains: &Grains<D>,
+    room: Option<&GrainRoom<D>>,
+    neighbours: &Neighbours<D>,
+) -> Result<Vec<Grain<D>>, Refusal>
+where
+    Dim<D>: Scenic<D>,
+{
     let missing = |what: &str| (format!("{key}.{what}"), "missing".to_string());
     let radius = grains.radius.ok_or_else(|| missing("radius"))?;
     let density = grains.density.ok_or_else(|| missing("density"))?;
@@ -49,7 +50,7 @@ pub fn place(
     } else {
         Vec::new()
     };
-    let (velocity, fixed) = (grains.velocity, grains.fixed);
+    let (velocity, fixed) = (grains.velocity.0, grains.fixed);
     Ok(placed
         .into_iter()
         .map(|(position, radius)| Grain {
@@ -62,58 +63,64 @@ pub fn place(
         .collect())
 }
 
-type Spot = ([f64; 2], f64);
+type Spot<const D: usize> = ([f64; D], f64);
 
-fn place_cloud(
+fn place_cloud<const D: usize>(
     key: &str,
-    cloud: &Cloud,
+    cloud: &Cloud<D>,
     radius: Radius,
     fixed: bool,
-    neighbours: &Neighbours,
-) -> Result<Vec<Spot>, Refusal> {
+    neighbours: &Neighbours<D>,
+) -> Result<Vec<Spot<D>>, Refusal>
+where
+    Dim<D>: Scenic<D>,
+{
     let mut random = Random::new(cloud.seed);
-    let area = PI * cloud.radius * cloud.radius;
-    let radii = radii(
+    let content = Dim::<D>::grain(cloud.radius);
+    let radii = radii::<D>(
         key,
-        area,
+        content,
         cloud.solid_fraction,
         cloud.count,
         radius,
         &mut random,
     )?;
     match cloud.arrangement {
-        Arrangement::Sunflower => Ok(arrange::sunflower(cloud.centre, cloud.radius, &radii)),
+        Arrangement::Sunflower => Ok(arrange::sunflower(&cloud.centre, cloud.radius, &radii)),
         Arrangement::Random => {
-            let region = Region::Disk {
+            let region = Region::Ball {
                 centre: cloud.centre,
                 radius: cloud.radius,
             };
-            place_at_random(key, &region, area, radii, fixed, &mut random, neighbours)
+            place_at_random(key, &region, content, radii, fixed, &mut random, neighbours)
         }
     }
 }
 
-fn place_box(
+fn place_box<const D: usize>(
     key: &str,
-    filled: &FilledBox,
+    filled: &FilledBox<D>,
     radius: Radius,
     fixed: bool,
-    room: Option<&GrainRoom>,
-    neighbours: &Neighbours,
-) -> Result<Vec<Spot>, Refusal> {
+    room: Option<&GrainRoom<D>>,
+    neighbours: &Neighbours<D>,
+) -> Result<Vec<Spot<D>>, Refusal>
+where
+    Dim<D>: Scenic<D>,
+{
     let mut random = Random::new(filled.seed);
-    let side: [f64; 2] = std::array::from_fn(|axis| filled.upper[axis] - filled.lower[axis]);
-    let area = side[0] * side[1];
-    let radii = radii(
+    let side: [f64; D] = std::array::from_fn(|axis| filled.upper[axis] - filled.lower[axis]);
+    let content = side.iter().product();
+    let radii = radii::<D>(
         key,
-        area,
+        content,
         filled.solid_fraction,
         filled.count,
         radius,
         &mut random,
     )?;
-    let wraps = spans_period(filled.lower, filled.upper, room);
-    let narrowest = (0..2)
+    let wraps = spans_period(&filled.lower, &filled.upper, room);
+    let narrowest = (0..D)
         .filter(|&axis| !wraps[axis])
         .map(|axis| side[axis])
         .fold(f64::MAX, f64::min);
@@ -127,11 +134,15 @@ fn place_box(
         upper: filled.upper,
         wraps,
     };
-    place_at_random(key, &region, area, radii, fixed, &mut random, neighbours)
+    place_at_random(key, &region, content, radii, fixed, &mut random, neighbours)
 }
 
-/// Does a rectangle span a whole period in x and y? It has no edge there.
-fn spans_period(lower: [f64; 2], upper: [f64; 2], room: Option<&GrainRoom>) -> [bool; 2] {
+/// Does a rectangle or box span a whole period along each axis? It has no edge there.
+fn spans_period<const D: usize>(
+    lower: &[f64; D],
+    upper: &[f64; D],
+    room: Option<&GrainRoom<D>>,
+) -> [bool; D] {
     std::array::from_fn(|axis| {
         let side = upper[axis] - lower[axis];
         let period = room.and_then(|room| room.period[axis]);
@@ -139,14 +150,17 @@ fn spans_period(lower: [f64; 2], upper: [f64; 2], room: Option<&GrainRoom>) -> [
     })
 }
 
-fn place_lattice(
+fn place_lattice<const D: usize>(
     key: &str,
-    lattice: &Lattice,
+    lattice: &Lattice<D>,
     radius: Radius,
-    room: Option<&GrainRoom>,
-) -> Result<Vec<Spot>, Refusal> {
+    room: Option<&GrainRoom<D>>,
+) -> Result<Vec<Spot<D>>, Refusal>
+where
+    Dim<D>: Scenic<D>,
+{
     let mut random = Random::new(lattice.seed);
-    let wraps = spans_period(lattice.lower, lattice.upper, room);
+    let wraps = spans_period(&lattice.lower, &lattice.upper, room);
     let frame = Frame {
         lattice,
         radius: radius.max(),
@@ -154,11 +168,11 @@ fn place_lattice(
     };
     let rows = match (lattice.spacing, lattice.solid_fraction) {
         (Some(spacing), _) => frame.with_spacing(spacing),
-        (None, fraction) => frame.with_fraction(fraction.unwrap_or(0.0), mean_area(radius)),
+        (None, fraction) => frame.with_fraction(fraction.unwrap_or(0.0), mean_grain::<D>(radius)),
     };
     let refuse = |why: String| Err((key.to_string(), why));
     if rows.count() < 1.0 {
-        return refuse("not one grain fits into this rectangle".into());
+        return refuse("not one grain fits into this place".into());
     }
     let (nearest, diameter) = (rows.nearest(), 2.0 * radius.max());
     if nearest < diameter * (1.0 - 1e-9) {
@@ -178,7 +192,7 @@ fn place_lattice(
 }
 
 /// What makes a lattice less dense, and is not so yet.
-fn looser(lattice: &Lattice) -> &'static str {
+fn looser<const D: usize>(lattice: &Lattice<D>) -> &'static str {
     match (lattice.spacing.is_some(), lattice.pattern) {
         (true, _) => "raise the spacing, or make the grains smaller",
         (false, Pattern::Square) => "lower the solid fraction, or use pattern = \"hexagonal\"",
@@ -186,20 +200,25 @@ fn looser(lattice: &Lattice) -> &'static str {
     }
 }
 
-fn place_at_random(
+fn place_at_random<const D: usize>(
     key: &str,
-    region: &Region,
-    area: f64,
+    region: &Region<D>,
+    content: f64,
     mut radii: Vec<f64>,
     fixed: bool,
     random: &mut Random,
-    neighbours: &Neighbours,
-) -> Result<Vec<Spot>, Refusal> {
-    let fraction = radii.iter().map(|radius| PI * radius * radius).sum::<f64>() / area;
-    if fraction > RANDOM_FRACTION_MAX {
+    neighbours: &Neighbours<D>,
+) -> Result<Vec<Spot<D>>, Refusal>
+where
+    Dim<D>: Scenic<D>,
+{
+    let grains = radii.iter().map(|radius| Dim::<D>::grain(*radius));
+    let fraction = grains.sum::<f64>() / content;
+    let most = Dim::<D>::RANDOM_FRACTION_MAX;
+    if fraction > most {
         let why = format!(
             "a solid fraction of {fraction:.4} cannot be placed at random without overlap, at most \
-             {RANDOM_FRACTION_MAX}: use a lattice, or let grains settle in a dry run first"
+             {most}: use a lattice, or let grains settle in a dry run first"
         );
         return Err((key.to_string(), why));
     }
@@ -214,39 +233,49 @@ fn place_at_random(
     })
 }
 
-/// The radii of a population: as many as were asked for, or as fill the fraction of the area.
-fn radii(
+/// The radii of a population: as many as were asked for, or as fill the fraction of the content.
+fn radii<const D: usize>(
     key: &str,
-    area: f64,
+    content: f64,
     fraction: Option<f64>,
     count: Option<usize>,
     radius: Radius,
     random: &mut Random,
-) -> Result<Vec<f64>, Refusal> {
+) -> Result<Vec<f64>, Refusal>
+where
+    Dim<D>: Scenic<D>,
+{
     let count = match (count, fraction) {
         (Some(count), _) => count,
-        (None, fraction) => (fraction.unwrap_or(0.0) * area / mean_area(radius)).round() as usize,
+        (None, fraction) => {
+            (fraction.unwrap_or(0.0) * content / mean_grain::<D>(radius)).round() as usize
+        }
     };
     if count == 0 {
         return Err((
             key.to_string(),
-            "this fraction of this area is less than one grain".into(),
+            format!(
+                "this fraction of this {} is less than one grain",
+                Dim::<D>::CONTENT
+            ),
         ));
     }
     if let Some(why) = memory::refusal("grains", count as f64, memory::GRAIN) {
         return Err((key.to_string(), why));
     }
     let mut radii: Vec<f64> = (0..count).map(|_| draw(radius, random)).collect();
-    // The drawn areas scatter around their mean; dropping or adding grains meets the fraction.
+    // What is drawn scatters around its mean; dropping or adding grains meets the fraction.
     if let (Some(fraction), Radius::Range(_)) = (fraction, radius) {
-        let target = fraction * area;
-        let mut filled: f64 = radii.iter().map(|radius| PI * radius * radius).sum();
+        let last = |radii: &[f64]| radii.last().map_or(0.0, |radius| Dim::<D>::grain(*radius));
+        let target = fraction * content;
+        let mut filled: f64 = radii.iter().map(|radius| Dim::<D>::grain(*radius)).sum();
         while filled < target {
             radii.push(draw(radius, random));
-            filled += radii.last().map_or(0.0, |radius| PI * radius * radius);
+            filled += last(&radii);
         }
-        while radii.len() > 1 && filled - radii.last().map_or(0.0, |r| PI * r * r) >= target {
-            filled -= radii.pop().map_or(0.0, |radius| PI * radius * radius);
+        while radii.len() > 1 && filled - last(&radii) >= target {
+            filled -= last(&radii);
+            radii.pop();
         }
     }
     Ok(radii)
@@ -259,8 +288,10 @@ fn draw(radius: Radius, random: &mut Random) -> f64 {
     }
 }
 
-/// π⟨r²⟩ of the distribution \[m²\].
-fn mean_area(radius: Radius) -> f64 {
-    let (low, high) = (radius.min(), radius.max());
-    PI * (low * low + low * high + high * high) / 3.0
+/// Mean content of a grain of the distribution \[m²; m³\].
+fn mean_grain<const D: usize>(radius: Radius) -> f64
+where
+    Dim<D>: Scenic<D>,
+{
+    Dim::<D>::mean_grain(radius.min(), radius.max())
 }

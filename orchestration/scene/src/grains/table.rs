@@ -2,17 +2,23 @@
 
 use std::fmt::Write;
 
+use space::Dim;
+
+use crate::dimensions::{AXES, Scenic};
+
 /// The grains of a scene, a line per array.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct GrainTable {
-    /// Centres \[m\].
-    pub position: Vec<[f64; 2]>,
+    /// Numbers of a vector; 0 without grains.
+    pub dimension: usize,
+    /// Centres \[m\], flat.
+    pub position: Vec<f64>,
     /// Radii \[m\].
     pub radius: Vec<f64>,
     /// Densities \[kg/m³\].
     pub density: Vec<f64>,
-    /// Velocities \[m/s\].
-    pub velocity: Vec<[f64; 2]>,
+    /// Velocities \[m/s\], flat.
+    pub velocity: Vec<f64>,
     /// Grains that never move.
     pub fixed: Vec<bool>,
 }
@@ -33,45 +39,61 @@ impl GrainTable {
         !self.is_empty() && self.fixed.iter().all(|&fixed| fixed)
     }
 
-    /// Area of all disks \[m²\].
-    pub fn area(&self) -> f64 {
-        self.radius
-            .iter()
-            .map(|radius| std::f64::consts::PI * radius * radius)
-            .sum()
+    /// Centre of a grain \[m\].
+    pub fn place(&self, grain: usize) -> &[f64] {
+        &self.position[self.dimension * grain..][..self.dimension]
     }
 
-    /// The table as CSV: x,y,radius,density,vx,vy,fixed; numbers read back to the same bits.
+    /// Content of all grains: the area of disks \[m²\], in space the volume of spheres \[m³\].
+    pub fn content(&self) -> f64 {
+        let content = |radius: &f64| match self.dimension {
+            3 => <Dim<3>>::grain(*radius),
+            _ => <Dim<2>>::grain(*radius),
+        };
+        self.radius.iter().map(content).sum()
+    }
+
+    /// The table as CSV: x,y,radius,density,vx,vy,fixed, in space with z and vz; numbers read back to the same
+    /// bits.
     pub fn to_csv(&self) -> String {
-        let mut text = String::from("x,y,radius,density,vx,vy,fixed\n");
-        for index in 0..self.len() {
-            let ([x, y], [vx, vy]) = (self.position[index], self.velocity[index]);
-            let (radius, density) = (self.radius[index], self.density[index]);
-            let fixed = u8::from(self.fixed[index]);
+        let axes = &AXES[..self.dimension];
+        let mut text = format!(
+            "{},radius,density,v{},fixed\n",
+            axes.join(","),
+            axes.join(",v")
+        );
+        let numbers = |text: &mut String, numbers: &[f64]| {
             // Writing to a string cannot fail.
-            let _ = writeln!(
-                text,
-                "{x:e},{y:e},{radius:e},{density:e},{vx:e},{vy:e},{fixed}"
+            numbers.iter().for_each(|x| _ = write!(text, "{x:e},"));
+        };
+        for index in 0..self.len() {
+            numbers(&mut text, self.place(index));
+            numbers(&mut text, &[self.radius[index], self.density[index]]);
+            numbers(
+                &mut text,
+                &self.velocity[self.dimension * index..][..self.dimension],
             );
+            let _ = writeln!(text, "{}", u8::from(self.fixed[index]));
         }
         text
     }
 
-    pub(super) fn push(&mut self, grain: Grain) {
-        self.position.push(grain.position);
+    pub(super) fn push<const D: usize>(&mut self, grain: Grain<D>) {
+        self.dimension = D;
+        self.position.extend(grain.position);
         self.radius.push(grain.radius);
         self.density.push(grain.density);
-        self.velocity.push(grain.velocity);
+        self.velocity.extend(grain.velocity);
         self.fixed.push(grain.fixed);
     }
 }
 
 /// One grain.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Grain {
-    pub position: [f64; 2],
+pub(super) struct Grain<const D: usize> {
+    pub position: [f64; D],
     pub radius: f64,
     pub density: f64,
-    pub velocity: [f64; 2],
+    pub velocity: [f64; D],
     pub fixed: bool,
 }

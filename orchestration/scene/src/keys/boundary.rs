@@ -10,16 +10,16 @@ use serde::de::{Error, IntoDeserializer, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Conditions by the names of their boundaries.
-type Boundaries = BTreeMap<String, Boundary<[f64; 2]>>;
+type Boundaries<const D: usize> = BTreeMap<String, Boundary<[f64; D]>>;
 
 /// A condition on a boundary; velocities are superficial.
 #[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
 #[serde(untagged)]
-pub enum BoundaryKey {
+pub enum BoundaryKey<const D: usize> {
     /// Without numbers.
     Alone(Alone),
     /// With numbers.
-    With(With),
+    With(With<D>),
 }
 
 /// Conditions without numbers.
@@ -30,23 +30,27 @@ pub enum Alone {
     NoSlip,
     /// u·n = 0, no tangential traction.
     Slip,
-    /// Joined with the opposite side of the rectangle.
+    /// Joined with the opposite side of the rectangle or box.
     Periodic,
 }
 
 /// Conditions with numbers.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub enum With {
+pub enum With<const D: usize> {
     /// A wall that moves along itself: u = velocity.
     NoSlip {
         /// Velocity of the wall (m/s).
-        velocity: [f64; 2],
+        #[serde(with = "super::numbers")]
+        #[schemars(with = "super::numbers::Numeric")]
+        velocity: [f64; D],
     },
     /// Velocity given; along the boundary it is that of a moving wall.
     Inflow {
         /// Superficial velocity (m/s); the largest one when parabolic.
-        velocity: [f64; 2],
+        #[serde(with = "super::numbers")]
+        #[schemars(with = "super::numbers::Numeric")]
+        velocity: [f64; D],
         /// Shape across the boundary: "uniform" or "parabolic".
         #[serde(default)]
         profile: Profile,
@@ -58,8 +62,8 @@ pub enum With {
     },
 }
 
-impl From<BoundaryKey> for Boundary<[f64; 2]> {
-    fn from(key: BoundaryKey) -> Self {
+impl<const D: usize> From<BoundaryKey<D>> for Boundary<[f64; D]> {
+    fn from(key: BoundaryKey<D>) -> Self {
         match key {
             BoundaryKey::Alone(Alone::NoSlip) => Boundary::NoSlip,
             BoundaryKey::Alone(Alone::Slip) => Boundary::Slip,
@@ -73,8 +77,8 @@ impl From<BoundaryKey> for Boundary<[f64; 2]> {
     }
 }
 
-impl From<&Boundary<[f64; 2]>> for BoundaryKey {
-    fn from(boundary: &Boundary<[f64; 2]>) -> Self {
+impl<const D: usize> From<&Boundary<[f64; D]>> for BoundaryKey<D> {
+    fn from(boundary: &Boundary<[f64; D]>) -> Self {
         match *boundary {
             Boundary::NoSlip => BoundaryKey::Alone(Alone::NoSlip),
             Boundary::Slip => BoundaryKey::Alone(Alone::Slip),
@@ -93,8 +97,10 @@ pub mod map {
     use super::*;
 
     /// From a scene.
-    pub fn deserialize<'de, D: Deserializer<'de>>(source: D) -> Result<Boundaries, D::Error> {
-        let keys = BTreeMap::<String, BoundaryKey>::deserialize(source)?;
+    pub fn deserialize<'de, S: Deserializer<'de>, const D: usize>(
+        source: S,
+    ) -> Result<Boundaries<D>, S::Error> {
+        let keys = BTreeMap::<String, BoundaryKey<D>>::deserialize(source)?;
         Ok(keys
             .into_iter()
             .map(|(name, key)| (name, key.into()))
@@ -102,23 +108,26 @@ pub mod map {
     }
 
     /// Into a scene.
-    pub fn serialize<S: Serializer>(boundaries: &Boundaries, out: S) -> Result<S::Ok, S::Error> {
+    pub fn serialize<S: Serializer, const D: usize>(
+        boundaries: &Boundaries<D>,
+        out: S,
+    ) -> Result<S::Ok, S::Error> {
         let keys = boundaries.iter();
         out.collect_map(keys.map(|(name, boundary)| (name, BoundaryKey::from(boundary))))
     }
 }
 
 // By hand and not `untagged`, so that messages stay exact.
-impl<'de> Deserialize<'de> for BoundaryKey {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+impl<'de, const D: usize> Deserialize<'de> for BoundaryKey<D> {
+    fn deserialize<S: Deserializer<'de>>(deserializer: S) -> Result<Self, S::Error> {
         deserializer.deserialize_any(KeyVisitor)
     }
 }
 
-struct KeyVisitor;
+struct KeyVisitor<const D: usize>;
 
-impl<'de> Visitor<'de> for KeyVisitor {
-    type Value = BoundaryKey;
+impl<'de, const D: usize> Visitor<'de> for KeyVisitor<D> {
+    type Value = BoundaryKey<D>;
 
     fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
@@ -127,7 +136,7 @@ impl<'de> Visitor<'de> for KeyVisitor {
         )
     }
 
-    fn visit_str<E: Error>(self, word: &str) -> Result<BoundaryKey, E> {
+    fn visit_str<E: Error>(self, word: &str) -> Result<BoundaryKey<D>, E> {
         const NAMES: &[&str] = &["no-slip", "slip", "periodic", "inflow", "open"];
         match word {
             "inflow" => Err(E::custom(
@@ -142,7 +151,7 @@ impl<'de> Visitor<'de> for KeyVisitor {
         }
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<BoundaryKey, A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<BoundaryKey<D>, A::Error> {
         With::deserialize(MapAccessDeserializer::new(map)).map(BoundaryKey::With)
     }
 }

@@ -43,9 +43,8 @@ pub struct Coupling {
     /// Does the fluid feel the grains? false: one-way.
     #[serde(default = "yes")]
     pub reaction: bool,
-    /// What a grain is: "disk", or { sphere = { depth } } in a slab.
-    #[serde(default = "disk")]
-    pub geometry: Geometry,
+    /// In the plane, what a grain is: "disk" (without this key), or { sphere = { depth } } in a slab.
+    pub geometry: Option<Geometry>,
     /// Adaptive coupling step: { step_min, step_max, courant }.
     pub adaptive: Option<AdaptiveStep>,
 }
@@ -55,9 +54,6 @@ fn yes() -> bool {
 }
 fn dallavalle() -> DragLaw {
     DragLaw::Dallavalle
-}
-fn disk() -> Geometry {
-    Geometry::Disk
 }
 // Resource limits, not accuracies: crossing one is an error, so a generous number is safe.
 fn sweeps_max() -> usize {

@@ -6,13 +6,14 @@ use schemars::JsonSchema;
 use serde::de::{Error, MapAccess, Visitor, value::MapAccessDeserializer};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::numbers::Numbers;
 use super::ranges::{exactly_one_of, grain_properties, one_or_more, positive, solid_fraction};
 
 /// One population of grains: exactly one of cloud, lattice, box and file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(transform = exactly_one_of(&["cloud", "lattice", "box", "file"]), transform = grain_properties)]
-pub struct Grains {
+pub struct Grains<const D: usize> {
     /// Density (kg/m³); required unless the file has a column for it.
     #[schemars(transform = positive)]
     pub density: Option<f64>,
@@ -20,18 +21,18 @@ pub struct Grains {
     pub radius: Option<Radius>,
     /// Initial velocity (m/s).
     #[serde(default)]
-    pub velocity: [f64; 2],
+    pub velocity: Numbers<f64, D>,
     /// Grains that never move.
     #[serde(default)]
     pub fixed: bool,
     /// A round cloud.
-    pub cloud: Option<Cloud>,
-    /// A regular lattice in a rectangle.
-    pub lattice: Option<Lattice>,
-    /// A rectangle filled at random.
+    pub cloud: Option<Cloud<D>>,
+    /// A regular lattice in a rectangle or box.
+    pub lattice: Option<Lattice<D>>,
+    /// A rectangle or box filled at random.
     #[serde(rename = "box")]
-    pub filled_box: Option<FilledBox>,
-    /// CSV file beside the scene: x, y, radius[, density][, vx, vy][, fixed].
+    pub filled_box: Option<FilledBox<D>>,
+    /// CSV file beside the scene: x, y, radius[, density][, vx, vy][, fixed]; in space z and vz too.
     pub file: Option<String>,
 }
 
@@ -80,13 +81,15 @@ impl Radius {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(transform = exactly_one_of(&["solid_fraction", "count"]))]
-pub struct Cloud {
+pub struct Cloud<const D: usize> {
     /// Centre (m).
-    pub centre: [f64; 2],
+    #[serde(with = "super::numbers")]
+    #[schemars(with = "super::numbers::Numeric")]
+    pub centre: [f64; D],
     /// Radius of the cloud (m).
     #[schemars(transform = positive)]
     pub radius: f64,
-    /// Share of the cloud's area that grains take; or give the count.
+    /// Share of the cloud's area, in space its volume, that grains take; or give the count.
     #[schemars(transform = solid_fraction)]
     pub solid_fraction: Option<f64>,
     /// Number of grains; or give the solid fraction.
@@ -95,7 +98,7 @@ pub struct Cloud {
     /// Seed of the random numbers.
     #[serde(default = "first_seed")]
     pub seed: u64,
-    /// "random" without overlap, or "sunflower" (even, without randomness).
+    /// "random" without overlap, or in the plane "sunflower" (even, without randomness).
     #[serde(default)]
     pub arrangement: Arrangement,
 }
@@ -111,22 +114,26 @@ pub enum Arrangement {
     Sunflower,
 }
 
-/// A regular lattice in a rectangle.
+/// A regular lattice in a rectangle or box.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(transform = exactly_one_of(&["spacing", "solid_fraction"]))]
-pub struct Lattice {
-    /// Lower left corner (m).
-    pub lower: [f64; 2],
-    /// Upper right corner (m).
-    pub upper: [f64; 2],
+pub struct Lattice<const D: usize> {
+    /// Lower corner (m).
+    #[serde(with = "super::numbers")]
+    #[schemars(with = "super::numbers::Numeric")]
+    pub lower: [f64; D],
+    /// Upper corner (m).
+    #[serde(with = "super::numbers")]
+    #[schemars(with = "super::numbers::Numeric")]
+    pub upper: [f64; D],
     /// Distance between neighbours (m); or give the solid fraction.
     #[schemars(transform = positive)]
     pub spacing: Option<f64>,
-    /// Share of the rectangle's area that grains take; whole cells fill the rectangle.
+    /// Share of the area, in space the volume, that grains take; whole cells fill the rectangle.
     #[schemars(transform = solid_fraction)]
     pub solid_fraction: Option<f64>,
-    /// "square" or "hexagonal".
+    /// "square", in space "cubic", or "hexagonal" (close-packed layers).
     #[serde(default)]
     pub pattern: Pattern,
     /// Seed of the radii when they are distributed.
@@ -140,21 +147,27 @@ pub struct Lattice {
 pub enum Pattern {
     /// Rows above each other.
     #[default]
+    #[serde(alias = "cubic")]
     Square,
-    /// Every second row shifted by half a spacing.
+    /// Every second row shifted by half a spacing; in space layers of such rows, every second one in the
+    /// hollows of the others.
     Hexagonal,
 }
 
-/// A rectangle filled at random without overlap.
+/// A rectangle or box filled at random without overlap.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(transform = exactly_one_of(&["solid_fraction", "count"]))]
-pub struct FilledBox {
-    /// Lower left corner (m).
-    pub lower: [f64; 2],
-    /// Upper right corner (m).
-    pub upper: [f64; 2],
-    /// Share of the rectangle's area that grains take; or give the count.
+pub struct FilledBox<const D: usize> {
+    /// Lower corner (m).
+    #[serde(with = "super::numbers")]
+    #[schemars(with = "super::numbers::Numeric")]
+    pub lower: [f64; D],
+    /// Upper corner (m).
+    #[serde(with = "super::numbers")]
+    #[schemars(with = "super::numbers::Numeric")]
+    pub upper: [f64; D],
+    /// Share of the area, in space the volume, that grains take; or give the count.
     #[schemars(transform = solid_fraction)]
     pub solid_fraction: Option<f64>,
     /// Number of grains; or give the solid fraction.

@@ -6,16 +6,19 @@ use protocol::scene::GrainBoundary;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::numbers::Numbers;
+use super::ranges::{exactly_one_of, positive};
+
 /// Where grains may go.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, Default)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Particles {
-    /// "domain": the walls of the fluid's rectangle or mesh, and of `domain` where it is given; "none".
+pub struct Particles<const D: usize> {
+    /// "domain": the walls of the fluid's rectangle, box or mesh, and of `domain` where it is given; "none".
     #[serde(default)]
     pub walls: DefaultWalls,
-    /// The rectangle of a scene without fluid, or one that differs from the fluid's; walls that lie on
+    /// The rectangle or box of a scene without fluid, or one that differs from the fluid's; walls that lie on
     /// those of a mesh are the same ones.
-    pub domain: Option<GrainDomain>,
+    pub domain: Option<GrainDomain<D>>,
     /// What grains meet where fluid flows in or out, by the name of the boundary: "wall" (without this key
     /// where it is inflow), "removed" (taken out where they leave; without it where it is open) or "open"
     /// (a grain that leaves ends the run). Sides that hold the fluid are walls.
@@ -30,27 +33,31 @@ pub enum DefaultWalls {
     /// A wall on every side that is neither periodic nor open, and where a mesh ends.
     #[default]
     Domain,
-    /// Only the segments written as `walls`.
+    /// Only those written as `walls`.
     None,
 }
 
-/// Rectangle of the grains.
+/// Rectangle or box of the grains.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct GrainDomain {
-    /// Lower left corner (m).
-    pub lower: [f64; 2],
-    /// Upper right corner (m).
-    pub upper: [f64; 2],
-    /// Sides without a wall: any of "left", "right", "bottom", "top".
+pub struct GrainDomain<const D: usize> {
+    /// Lower corner (m).
+    #[serde(with = "super::numbers")]
+    #[schemars(with = "super::numbers::Numeric")]
+    pub lower: [f64; D],
+    /// Upper corner (m).
+    #[serde(with = "super::numbers")]
+    #[schemars(with = "super::numbers::Numeric")]
+    pub upper: [f64; D],
+    /// Sides without a wall: any of "left", "right", "bottom", "top", in space "back", "front".
     #[serde(default)]
     pub open: Vec<Side>,
-    /// Periodic in x and y.
+    /// Periodic in x and y, in space z.
     #[serde(default)]
-    pub periodic: [bool; 2],
+    pub periodic: Numbers<bool, D>,
 }
 
-/// A side of a rectangle.
+/// A side of a rectangle or box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Side {
@@ -62,29 +69,88 @@ pub enum Side {
     Bottom,
     /// Largest y.
     Top,
+    /// Smallest z.
+    Back,
+    /// Largest z.
+    Front,
 }
 
+/// All sides, two an axis.
+pub const SIDES: [Side; 6] = [
+    Side::Left,
+    Side::Right,
+    Side::Bottom,
+    Side::Top,
+    Side::Back,
+    Side::Front,
+];
+
 impl Side {
-    /// Is its name one of these?
-    pub fn name_is(self, names: &[&str]) -> bool {
-        let name = match self {
+    /// As it is written.
+    pub fn name(self) -> &'static str {
+        match self {
             Side::Left => "left",
             Side::Right => "right",
             Side::Bottom => "bottom",
             Side::Top => "top",
-        };
-        names.contains(&name)
+            Side::Back => "back",
+            Side::Front => "front",
+        }
     }
 }
 
-/// A wall segment; grains stay on the left of from → to.
+/// A wall: in the plane a segment, grains stay on the left of from → to; in space a flat one with these corners,
+/// grains stay on the side from which they are seen clockwise, or a round one, with grains inside.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct WallSegment {
-    /// Start (m).
-    pub from: [f64; 2],
-    /// End (m).
-    pub to: [f64; 2],
+#[schemars(transform = exactly_one_of(&["from", "corners", "cylinder"]))]
+pub struct WallKeys<const D: usize> {
+    /// In the plane: start (m).
+    pub from: Option<Numbers<f64, D>>,
+    /// In the plane: end (m).
+    pub to: Option<Numbers<f64, D>>,
+    /// In space: corners (m), three or more, of a convex polygon.
+    #[serde(default)]
+    #[schemars(with = "Vec<super::numbers::Numeric>")]
+    pub corners: Vec<Numbers<f64, D>>,
+    /// In space: the inside of a tube, made of flat sides that touch it from outside.
+    pub cylinder: Option<Cylinder>,
     /// Velocity along itself (m/s), which rubs on the grains; where the wall is does not change.
-    pub velocity: Option<[f64; 2]>,
+    pub velocity: Option<Numbers<f64, D>>,
+}
+
+/// A tube of flat sides.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Cylinder {
+    /// Start of its axis (m).
+    #[serde(with = "super::numbers")]
+    #[schemars(with = "[f64; 3]")]
+    pub from: [f64; 3],
+    /// End of its axis (m).
+    #[serde(with = "super::numbers")]
+    #[schemars(with = "[f64; 3]")]
+    pub to: [f64; 3],
+    /// Distance of the sides from the axis (m).
+    #[schemars(transform = positive)]
+    pub radius: f64,
+    /// How many sides.
+    #[serde(default = "sides")]
+    #[schemars(range(min = 3))]
+    pub sides: usize,
+}
+
+fn sides() -> usize {
+    32
+}
+
+// By hand: arrays of any length have no default.
+impl<const D: usize> Default for Particles<D> {
+    fn default() -> Self {
+        Particles {
+            walls: DefaultWalls::default(),
+            domain: None,
+            boundaries: BTreeMap::new(),
+        }
+    }
 }

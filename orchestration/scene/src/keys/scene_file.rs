@@ -10,28 +10,28 @@ use super::coupling::{Contact, Coupling};
 use super::fluid::Fluid;
 use super::grains::Grains;
 use super::ranges::{parts, positive, without_null};
-use super::room::{Particles, WallSegment};
+use super::room::{Particles, WallKeys};
 
-/// A Sillage scene: grains in a fluid in two dimensions. SI units throughout.
+/// A Sillage scene: grains in a fluid, in the plane or in space. SI units throughout.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(transform = parts)]
-pub struct SceneFile {
+pub struct SceneFile<const D: usize> {
     /// Duration and step.
     pub run: Run,
     /// Gravity; always written down, also when it is zero.
-    pub gravity: Gravity,
+    pub gravity: Gravity<D>,
     /// The fluid; without it no fluid process is started.
-    pub fluid: Option<Fluid>,
+    pub fluid: Option<Fluid<D>>,
     /// Grain populations; without any no particle process is started.
     #[serde(default)]
-    pub grains: Vec<Grains>,
+    pub grains: Vec<Grains<D>>,
     /// Where grains may go.
     #[serde(default)]
-    pub particles: Particles,
-    /// Further wall segments.
+    pub particles: Particles<D>,
+    /// Further walls.
     #[serde(default)]
-    pub walls: Vec<WallSegment>,
+    pub walls: Vec<WallKeys<D>>,
     /// Contacts between grains; required when there are grains.
     pub contact: Option<Contact>,
     /// How grains and fluid are coupled; required when there are both.
@@ -75,16 +75,18 @@ pub struct Run {
 /// Gravity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Gravity {
-    /// Acceleration g (m/s²), e.g. [0.0, -9.81].
-    pub acceleration: [f64; 2],
+pub struct Gravity<const D: usize> {
+    /// Acceleration g (m/s²), e.g. [0.0, -9.81], in space [0.0, -9.81, 0.0].
+    #[serde(with = "super::numbers")]
+    #[schemars(with = "super::numbers::Numeric")]
+    pub acceleration: [f64; D],
 }
 
 /// The JSON Schema of a scene file.
 pub fn scene_schema() -> Value {
     let settings = SchemaSettings::draft2020_12().with_transform(without_null());
     let generator = settings.into_generator();
-    generator.into_root_schema_for::<SceneFile>().to_value()
+    generator.into_root_schema_for::<SceneFile<3>>().to_value()
 }
 
 fn yes() -> bool {

@@ -12,10 +12,13 @@ use protocol::scene::{
     Boundary, CREEPING_REYNOLDS, Convection, LUMPED_RATIO_MAX, MeanFlow, MeshSource, Scheme, Wall,
 };
 use serde::Serialize;
+use space::Dim;
 use space::grid::SPARE;
 
 use super::cost::Cost;
-use crate::grains::Neighbours;
+use crate::dimensions::Scenic;
+use crate::grains::{GrainTable, Neighbours};
+use crate::refinement;
 use crate::scene::Scene;
 
 /// Why nothing of the particle engine is needed.
@@ -153,21 +156,38 @@ fn reynolds(scene: &Scene) -> f64 {
     let excess: f64 = (0..grains.len())
         .filter(|&grain| !grains.fixed[grain] && scene.coupler.reaction)
         .map(|grain| {
-            let area = std::f64::consts::PI * grains.radius[grain].powi(2);
-            area * (grains.density[grain] - fluid.density).abs()
+            let content = match scene.dimension() {
+                3 => <Dim<3>>::grain(grains.radius[grain]),
+                _ => <Dim<2>>::grain(grains.radius[grain]),
+            };
+            content * (grains.density[grain] - fluid.density).abs()
         })
         .sum();
-    let driven =
-        excess * size(&fluid.gravity) / (4.0 * std::f64::consts::PI * fluid.dynamic_viscosity);
-    let extent = match &fluid.mesh {
-        MeshSource::Rectangle { lower, upper, .. } => {
-            (upper[0] - lower[0]).min(upper[1] - lower[1])
-        }
+    let weight = excess * size(&fluid.gravity);
+    let driven = weight / (4.0 * std::f64::consts::PI * fluid.dynamic_viscosity * depth(grains));
+    let extent = refinement::cells_of(&fluid.mesh).map_or(
         // Its extent is in the file.
-        MeshSource::File { .. } => 1.0,
-    };
+        1.0,
+        |(lower, upper, _)| {
+            let sides = lower.iter().zip(upper).map(|(low, high)| high - low);
+            sides.fold(f64::INFINITY, f64::min)
+        },
+    );
     let speed = prescribed.max(driven);
     fluid.density * speed * extent / (std::f64::consts::PI * fluid.dynamic_viscosity)
+}
+
+/// How far grains reach across their fall, on the small side: of disks, which are told per metre, one metre.
+fn depth(grains: &GrainTable) -> f64 {
+    let cubes = grains
+        .radius
+        .iter()
+        .map(|radius| radius.powi(3))
+        .sum::<f64>();
+    match grains.dimension {
+        3 => cubes.cbrt(),
+        _ => 1.0,
+    }
 }
 
 fn contacts(scene: &Scene, cost: &Cost) -> Option<Choice> {
@@ -212,12 +232,19 @@ fn contacts(scene: &Scene, cost: &Cost) -> Option<Choice> {
 
 /// Smallest gap between two grains of which one moves, of the smaller radius.
 fn smallest_gap(scene: &Scene) -> Option<f64> {
-    let grains = &scene.grains;
+    match scene.dimension() {
+        3 => smallest_gap_in::<3>(&scene.grains),
+        _ => smallest_gap_in::<2>(&scene.grains),
+    }
+}
+
+fn smallest_gap_in<const D: usize>(grains: &GrainTable) -> Option<f64> {
     let largest = grains.radius.iter().copied().fold(0.0, f64::max);
-    let mut placed = Neighbours::new(2.0 * largest, [None; 2]);
+    let mut placed = Neighbours::<D>::new(2.0 * largest, [None; D]);
     let mut smallest = None;
     for grain in 0..grains.len() {
-        let (place, radius) = (grains.position[grain], grains.radius[grain]);
+        let radius = grains.radius[grain];
+        let place = &std::array::from_fn(|axis| grains.place(grain)[axis]);
         let within = smallest.unwrap_or(f64::INFINITY);
         let gap = placed.gap(place, radius, grains.fixed[grain], within);
         smallest = gap.or(smallest);
@@ -244,7 +271,7 @@ fn walls(scene: &Scene) -> Option<Choice> {
     let grains = &scene.grains;
     let far = (0..grains.len()).filter(|&grain| {
         let reach = std::f64::consts::SQRT_2 * (1.0 + SPARE) * grains.radius[grain];
-        let near = |wall: &Wall| wall.distance(&grains.position[grain]) <= reach;
+        let near = |wall: &Wall| wall.distance(grains.place(grain)) <= reach;
         grains.fixed[grain] || !part.walls.iter().any(near)
     });
     let share = far.count() as f64 / grains.len().max(1) as f64;
@@ -283,22 +310,20 @@ fn spreading(scene: &Scene) -> Option<(Choice, bool)> {
     let coupler = &scene.coupler;
     let (fluid, _) = (coupler.fluid.as_ref()?, coupler.particles.as_ref()?);
     const PART: &str = "spreading of grains";
-    let MeshSource::Rectangle {
-        lower,
-        upper,
-        cells,
-        grading,
-        ..
-    } = &fluid.mesh
-    else {
+    let Some((lower, upper, cells)) = refinement::cells_of(&fluid.mesh) else {
         let reason = "there for grains whose diameter is above 0.25 of the cells around them";
         return Some((
             plain(PART, "decided by the mesh of the file", reason),
             false,
         ));
     };
-    let sides = [0, 1].map(|axis| (upper[axis] - lower[axis]) / cells[axis] as f64);
-    let cell = (sides[0] * sides[1]).sqrt() / (grading[0] * grading[1]).sqrt();
+    let edges = (0..cells.len()).map(|axis| (upper[axis] - lower[axis]) / cells[axis] as f64);
+    let mean = edges.product::<f64>().powf(1.0 / cells.len() as f64);
+    let grading = match &fluid.mesh {
+        MeshSource::Rectangle { grading, .. } => grading.iter().product::<f64>().sqrt(),
+        _ => 1.0,
+    };
+    let cell = mean / grading;
     let diameter = 2.0 * scene.grains.radius.iter().copied().fold(0.0, f64::max);
     let ratio = diameter / cell;
     let spread = ratio > LUMPED_RATIO_MAX;

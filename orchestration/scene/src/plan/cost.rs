@@ -37,8 +37,8 @@ impl Cost {
         let nodes = match scene.coupler.fluid.as_ref().map(|fluid| &fluid.mesh) {
             None => 0.0,
             Some(MeshSource::File { .. }) => 1e4,
-            Some(MeshSource::Rectangle { cells, .. }) => {
-                (cells[0] + 1) as f64 * (cells[1] + 1) as f64
+            Some(MeshSource::Rectangle { cells, .. } | MeshSource::Box { cells, .. }) => {
+                cells.iter().map(|&count| (count + 1) as f64).product()
             }
         };
         let nodes = refinement::nodes(&scene.coupler, &scene.grains).unwrap_or(nodes);

@@ -145,34 +145,15 @@ pub fn processes(scene: &Scene) -> Vec<Process> {
 fn sizes(scene: &Scene) -> Vec<String> {
     let mut sizes = Vec::new();
     match scene.coupler.fluid.as_ref().map(|fluid| &fluid.mesh) {
-        Some(MeshSource::Rectangle {
-            lower,
-            upper,
-            cells,
-            ..
-        }) => {
-            let (columns, rows) = (cells[0], cells[1]);
-            let (width, height) = (upper[0] - lower[0], upper[1] - lower[1]);
-            let nodes = (columns + 1) * (rows + 1);
-            let (dx, dy) = (width / columns as f64, height / rows as f64);
-            let refined = refinement::nodes(&scene.coupler, &scene.grains);
-            let nodes = refined.map_or(nodes, |nodes| nodes.round() as usize);
-            sizes.push(format!(
-                "fluid: {width:.5e} × {height:.5e} m, {columns} × {rows} cells of {dx:.3e} × {dy:.3e} m, {}\
-                 about {nodes} nodes and {} unknowns",
-                if refined.is_some() { "divided where cells are to be small, " } else { "" },
-                3 * nodes
-            ));
-            if let Some(near) = scene.coupler.near_grains {
-                let NearGrains { size, margin } = near;
-                sizes.push(format!(
-                    "fluid: cells of {size:.3e} m or less near grains; the mesh follows when one has gone about \
-                     {margin:.3e} m, or the zone of small cells is a fifth too large (`nodes` and `epoch` of steps.csv)"
-                ));
-            }
-        }
         Some(MeshSource::File { path, .. }) => sizes.push(format!("fluid: mesh {path}")),
+        Some(mesh) => sizes.extend(of_cells(scene, mesh)),
         None => {}
+    }
+    if let Some(NearGrains { size, margin }) = scene.coupler.near_grains {
+        sizes.push(format!(
+            "fluid: cells of {size:.3e} m or less near grains; the mesh follows when one has gone about \
+             {margin:.3e} m, or the zone of small cells is a fifth too large (`nodes` and `epoch` of steps.csv)"
+        ));
     }
     if let Some(Indicator { jump, smallest }) = scene.coupler.indicator {
         sizes.push(format!(
@@ -186,12 +167,43 @@ fn sizes(scene: &Scene) -> Vec<String> {
         let largest = grains.radius.iter().copied().fold(0.0, f64::max);
         let fixed = grains.fixed.iter().filter(|&&fixed| fixed).count();
         sizes.push(format!(
-            "grains: {} ({fixed} fixed), radius {smallest:.4e} to {largest:.4e} m, area {:.5e} m²",
+            "grains: {} ({fixed} fixed), radius {smallest:.4e} to {largest:.4e} m, {} {:.5e} {}",
             grains.len(),
-            grains.area()
+            ["area", "volume"][grains.dimension - 2],
+            grains.content(),
+            ["m²", "m³"][grains.dimension - 2],
         ));
     }
     sizes
+}
+
+/// A rectangle or box of cells in words.
+fn of_cells(scene: &Scene, mesh: &MeshSource) -> Option<String> {
+    let (lower, upper, cells) = refinement::cells_of(mesh)?;
+    let by = |numbers: Vec<String>| numbers.join(" × ");
+    let extent: Vec<f64> = lower
+        .iter()
+        .zip(upper)
+        .map(|(low, high)| high - low)
+        .collect();
+    let edges = extent
+        .iter()
+        .zip(cells)
+        .map(|(extent, &count)| extent / count as f64);
+    let nodes: usize = cells.iter().map(|count| count + 1).product();
+    let refined = refinement::nodes(&scene.coupler, &scene.grains);
+    let nodes = refined.map_or(nodes, |nodes| nodes.round() as usize);
+    Some(format!(
+        "fluid: {} m, {} cells of {} m, {}about {nodes} nodes and {} unknowns",
+        by(extent.iter().map(|x| format!("{x:.5e}")).collect()),
+        by(cells.iter().map(ToString::to_string).collect()),
+        by(edges.map(|x| format!("{x:.3e}")).collect()),
+        match refined {
+            Some(_) => "divided where cells are to be small, ",
+            None => "",
+        },
+        (cells.len() + 1) * nodes
+    ))
 }
 
 fn terms(scene: &Scene) -> Vec<String> {
@@ -254,6 +266,9 @@ fn terms(scene: &Scene) -> Vec<String> {
         }
         match scene.coupler.geometry {
             Geometry::Disk => add("coupling: grains are disks, per metre of depth"),
+            Geometry::Sphere { .. } if scene.dimension() == 3 => {
+                add("coupling: grains are spheres")
+            }
             Geometry::Sphere { depth } => {
                 add(&format!(
                     "coupling: grains are spheres in a slab of {depth:e} m"

@@ -4,7 +4,6 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use scene::check::Checker;
 use scene::document::Document;
 use toml::Value;
 
@@ -170,16 +169,14 @@ fn the_schema_refuses_what_the_reader_refuses_and_nothing_that_the_program_takes
 /// Hold the schema against the program; keys that only the program refuses.
 fn compare(document: &Document, beyond: &mut BTreeSet<String>) {
     let complaint = complaint(document);
-    let keys = match (scene::read::read(document), &complaint) {
-        (Ok(keys), _) => keys,
+    let problems = match (scene::problems_of_keys(document), &complaint) {
+        (Ok(problems), _) => problems,
         (Err(_), Some(_)) => return,
         (Err(error), None) => panic!("taken by the schema: {error}\n{:#?}", document.tree),
     };
-    let mut checker = Checker::new(document);
-    checker.scene(&keys);
     match complaint {
-        None => beyond.extend(checker.problems.iter().map(|problem| plain(&problem.key))),
-        Some(complaint) if checker.problems.is_empty() => {
+        None => beyond.extend(problems.iter().map(|problem| plain(&problem.key))),
+        Some(complaint) if problems.is_empty() => {
             let loaded = scene::from_document(document, 1);
             assert!(loaded.is_err(), "refused by the schema alone: {complaint}");
         }

@@ -58,7 +58,7 @@ pub fn check(args: &CheckArgs) -> Result<i32, Error> {
 /// What is in the mesh file of a scene.
 fn survey(path: &Path, settings: &[String]) -> Result<Option<MeshSurvey>, Error> {
     let document = Document::load(path, settings)?;
-    let survey = MeshSurvey::of(&scene::read::read(&document)?, &document.folder())?;
+    let survey = MeshSurvey::of(&document)?;
     if survey.is_none() {
         tell!("{}: the scene has no mesh file", path.display());
     }
