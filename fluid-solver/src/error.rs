@@ -169,6 +169,23 @@ pub enum FluidError {
         /// The bound.
         bound: f64,
     },
+    /// The iterative solver did not converge, and a direct factor does not fit.
+    #[error(
+        "linear solver: relative residual {residual:e} after {iterations} iterations, tolerance {tolerance:e}; \
+         {nodes} nodes are too many for a direct factor, which takes up to {most}"
+    )]
+    Krylov {
+        /// Relative residual reached.
+        residual: f64,
+        /// Iterations done, of all preconditioners.
+        iterations: usize,
+        /// The tolerance.
+        tolerance: f64,
+        /// Nodes of the mesh.
+        nodes: usize,
+        /// Most nodes that a direct factor takes.
+        most: usize,
+    },
     /// The nonlinear iteration did not converge.
     #[error(
         "nonlinear solve: relative residual {residual:e} after {iterations} iterations, tolerance {tolerance:e}"

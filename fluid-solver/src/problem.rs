@@ -14,8 +14,10 @@ use crate::equations::coefficients::Coefficients;
 use crate::equations::creeping::Creeping;
 use crate::equations::drive::Drive;
 use crate::error::FluidError;
-use crate::linear::solver::LinearSolver;
+use crate::linear::hierarchy::Conditions;
+use crate::linear::method::Method;
 use crate::linear::system::System;
+use crate::mesh::nested::Coarser;
 use crate::mesh::simplices::Mesh;
 use crate::numbers::named;
 use crate::solid::{Solid, finite};
@@ -32,6 +34,8 @@ pub struct Step<'a, const D: usize> {
     now: Flow<D>,
     /// vⁿ⁻¹, and how long the step after it was \[s\].
     before: Option<&'a (Flow<D>, f64)>,
+    /// pⁿ
+    pressure: &'a [f64],
     solid: Solid<D>,
 }
 
@@ -55,8 +59,25 @@ impl<'a, const D: usize> Step<'a, D> {
             time: accepted.time + dt,
             now: accepted.flow_with(&solid.matrix.porosity),
             before: accepted.before.as_ref(),
+            pressure: &accepted.pressure,
             solid,
         })
+    }
+
+    /// The unknowns of the accepted state.
+    fn unknowns(&self, constraints: &Constraints<D>) -> Vec<f64> {
+        let velocity = self.now.superficial_velocity.iter();
+        let nodes = velocity.zip(self.pressure).zip(&constraints.frames);
+        let mut unknowns = Vec::with_capacity((D + 1) * self.pressure.len());
+        for ((velocity, &pressure), frame) in nodes {
+            let first = unknowns.len();
+            unknowns.extend(velocity.iter());
+            unknowns.push(pressure);
+            if let Some(frame) = frame {
+                frame.turn(&mut unknowns[first..]);
+            }
+        }
+        unknowns
     }
 
     /// Does it begin at rest, so that an extrapolated velocity convects nothing?
@@ -72,7 +93,7 @@ pub struct Problem<const D: usize, const N: usize> {
     pub mesh: Mesh<D, N>,
     constraints: Constraints<D>,
     system: System<N>,
-    linear: LinearSolver<N>,
+    linear: Method<D, N>,
     key: Option<MatrixKey<D>>,
     drive: Option<Drive<D>>,
     creeping: Creeping,
@@ -84,14 +105,18 @@ impl<const D: usize, const N: usize> Problem<D, N>
 where
     Dim<D>: Dimension<D>,
 {
-    /// The problem of a fluid on a mesh.
-    pub fn new(config: FluidConfig<D>, mesh: Mesh<D, N>) -> Result<Problem<D, N>, FluidError> {
+    /// The problem of a fluid on a mesh, with coarser ones under it.
+    pub fn new(
+        config: FluidConfig<D>,
+        mesh: Mesh<D, N>,
+        coarser: &[Coarser<D, N>],
+    ) -> Result<Problem<D, N>, FluidError> {
         let conditions = resolve_names(&config.boundaries, &mesh.boundary_names)?;
         let constraints = Constraints::new(&mesh, conditions, config.density, &config.gravity)?;
         constraints.boundary_flux(&mesh, 0.0)?;
         let system = System::new(mesh.node_count(), &mesh.simplices);
         Ok(Problem {
-            linear: LinearSolver::new(&system.pattern, &mesh.position, constraints.fixed.clone()),
+            linear: method(&config, &mesh, &constraints, coarser, &system),
             creeping: Creeping::new(config.density, config.dynamic_viscosity, &mesh),
             cost: Cost::default(),
             key: None,
@@ -196,6 +221,7 @@ where
         };
         let given = self.constraints.values(&self.mesh, step.time);
         let flux = self.constraints.boundary_flux(&self.mesh, step.time)?;
+        let start = (self.linear.begins()).then(|| step.unknowns(&self.constraints));
         let mut equations = Equations {
             mesh: &self.mesh,
             constraints: &self.constraints,
@@ -204,6 +230,7 @@ where
             key: &mut self.key,
             given: &given,
             flux: &flux.of_node,
+            start,
             drive: self.drive,
             cost: &mut self.cost,
         };
@@ -291,6 +318,30 @@ where
         };
         Ok((candidate, cost))
     }
+}
+
+/// How the systems on a mesh are solved. A coarser mesh on which the conditions cannot be had ends the list.
+fn method<const D: usize, const N: usize>(
+    config: &FluidConfig<D>,
+    mesh: &Mesh<D, N>,
+    constraints: &Constraints<D>,
+    coarser: &[Coarser<D, N>],
+    system: &System<N>,
+) -> Method<D, N>
+where
+    Dim<D>: Dimension<D>,
+{
+    let held = |level: &Coarser<D, N>| -> Result<Constraints<D>, FluidError> {
+        let conditions = resolve_names(&config.boundaries, &level.mesh.boundary_names)?;
+        Constraints::new(&level.mesh, conditions, config.density, &config.gravity)
+    };
+    let held: Vec<_> = coarser.iter().map_while(|level| held(level).ok()).collect();
+    let levels = coarser.iter().zip(&held).map(|(level, constraints)| {
+        let mesh = &level.mesh;
+        (Conditions { mesh, constraints }, level.spots.as_slice())
+    });
+    let levels: Vec<_> = levels.collect();
+    Method::new(system, &Conditions { mesh, constraints }, &levels)
 }
 
 /// What the configuration asks of the mean flow through periodic sides.

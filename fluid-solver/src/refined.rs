@@ -14,6 +14,8 @@ use space::{Dim, Dimension};
 use crate::config::FluidConfig;
 use crate::cost::cpu_seconds;
 use crate::error::FluidError;
+use crate::linear::method;
+use crate::mesh::nested::{self, Coarser};
 use crate::mesh::{Bisection, Forest, LongestEdge, Mesh, Root, Sizes, Zone};
 use crate::step::FluidSolver;
 
@@ -69,23 +71,33 @@ where
     Dim<D>: Dimension<D>,
 {
     let begin = cpu_seconds();
-    let (bisection, mesh) = bisect(before.root(), sizes)?;
-    solver.change_mesh(mesh, &before.spots_of(&bisection), begin)?;
+    let (bisection, mesh, coarser) = bisect(before.root(), sizes)?;
+    solver.change_mesh(mesh, &coarser, &before.spots_of(&bisection), begin)?;
     *before = bisection;
     Ok(())
 }
 
+/// A mesh, how points are found in it, and coarser meshes.
+type Bisected<F, const D: usize, const N: usize> =
+    (Bisection<F, D, N>, Mesh<D, N>, Vec<Coarser<D, N>>);
+
 fn bisect<F: Forest<D, N> + Clone, const D: usize, const N: usize>(
     root: &F,
     sizes: &Refinement<D>,
-) -> Result<(Bisection<F, D, N>, Mesh<D, N>), FluidError>
+) -> Result<Bisected<F, D, N>, FluidError>
 where
     Dim<D>: Dimension<D>,
 {
     let largest = sizes.largest.unwrap_or(f64::INFINITY);
     let zones = sizes.zones.clone();
     let sizes = Sizes::new(zones, sizes.growth, largest, root.period());
-    Bisection::new(root, &sizes, SIMPLICES_MAX)
+    let (bisection, mesh) = Bisection::new(root, &sizes, SIMPLICES_MAX)?;
+    let nodes = mesh.node_count();
+    let coarser = match method::is_direct::<D>(nodes) {
+        true => Vec::new(),
+        false => nested::coarser(&bisection, &sizes, nodes, SIMPLICES_MAX)?,
+    };
+    Ok((bisection, mesh, coarser))
 }
 
 /// The mesh of a box of cells, none of them divided.
@@ -111,8 +123,9 @@ pub fn solver<const D: usize, const N: usize>(
 where
     Dim<D>: Dimension<D>,
 {
-    let (bisection, mesh) = bisect(root, sizes)?;
-    Ok((following(config, mesh)?, Refined::Cells(bisection)))
+    let (bisection, mesh, coarser) = bisect(root, sizes)?;
+    let solver = following(config, mesh, &coarser)?;
+    Ok((solver, Refined::Cells(bisection)))
 }
 
 /// The same, refined from a mesh without joined sides.
@@ -124,18 +137,20 @@ pub fn solver_on_mesh<const D: usize, const N: usize>(
 where
     Dim<D>: Dimension<D>,
 {
-    let (bisection, mesh) = bisect(&LongestEdge::new(root)?, sizes)?;
-    Ok((following(config, mesh)?, Refined::Mesh(bisection)))
+    let (bisection, mesh, coarser) = bisect(&LongestEdge::new(root)?, sizes)?;
+    let solver = following(config, mesh, &coarser)?;
+    Ok((solver, Refined::Mesh(bisection)))
 }
 
 fn following<const D: usize, const N: usize>(
     config: FluidConfig<D>,
     mesh: Mesh<D, N>,
+    coarser: &[Coarser<D, N>],
 ) -> Result<FluidSolver<D, N>, FluidError>
 where
     Dim<D>: Dimension<D>,
 {
-    let mut solver = FluidSolver::new(config, mesh)?;
+    let mut solver = FluidSolver::with_coarser(config, mesh, coarser)?;
     solver.tell_of_meshes();
     Ok(solver)
 }

@@ -14,10 +14,12 @@ use crate::boundary::frame::velocity_of;
 use crate::config::Nonlinear;
 use crate::cost::{Cost, cpu_seconds};
 use crate::equations::assembly::Assembly;
+use crate::equations::coarse;
 use crate::equations::coefficients::Coefficients;
 use crate::equations::drive::{Border, Drive};
 use crate::error::FluidError;
-use crate::linear::solver::LinearSolver;
+use crate::linear::method::Method;
+use crate::linear::solver::Krylov;
 use crate::linear::system::System;
 use crate::mesh::simplices::Mesh;
 use crate::numbers::{Numbers, named};
@@ -72,24 +74,37 @@ pub struct Effort {
     iterations: usize,
     factorised: usize,
     pivoted: bool,
+    krylov: Option<Krylov>,
 }
 
 impl Effort {
-    /// As diagnostics.
+    /// As diagnostics; those of an iterative solver where that is one.
     pub fn numbers(&self) -> Numbers {
-        named([
+        let mut numbers = named([
             ("linear_residual", self.backward_error),
             ("nonlinear_residual", self.nonlinear_residual),
             ("iterations", self.iterations as f64),
             ("factorised", self.factorised as f64),
             ("pivoted", f64::from(u8::from(self.pivoted))),
-        ])
+        ]);
+        numbers.extend(named(self.krylov.iter().flat_map(|krylov| {
+            [
+                ("krylov_iterations", krylov.iterations as f64),
+                ("krylov_fallbacks", krylov.fallbacks as f64),
+            ]
+        })));
+        numbers
     }
 
     fn note(&mut self, solution: &crate::linear::solver::Solution) {
         self.backward_error = self.backward_error.max(solution.backward_error);
         self.pivoted |= solution.pivoted;
         self.iterations += 1;
+        if let Some(krylov) = solution.krylov {
+            let sum = self.krylov.get_or_insert_default();
+            sum.iterations += krylov.iterations;
+            sum.fallbacks += krylov.fallbacks;
+        }
     }
 }
 
@@ -113,14 +128,16 @@ pub struct Equations<'a, const D: usize, const N: usize> {
     pub constraints: &'a Constraints<D>,
     /// The assembled system.
     pub system: &'a mut System<N>,
-    /// The factor.
-    pub linear: &'a mut LinearSolver<N>,
+    /// How it is solved.
+    pub linear: &'a mut Method<D, N>,
     /// What the factor belongs to.
     pub key: &'a mut Option<MatrixKey<D>>,
     /// Given unknowns.
     pub given: &'a [f64],
     /// ∮ N_i Q_n
     pub flux: &'a [f64],
+    /// Unknowns that an iterative solver begins with: those of the accepted state, then of the last iterate.
+    pub start: Option<Vec<f64>>,
     /// What the flow is to do on the whole, where that is steered.
     pub drive: Option<Drive<D>>,
     /// CPU time so far.
@@ -137,7 +154,7 @@ where
         let same = self.key.as_ref().is_some_and(|key| key.belongs_to(terms));
         self.assemble(terms, !same);
         if !same {
-            self.factorise(&mut effort);
+            self.factorise(terms, &mut effort);
             *self.key = Some(MatrixKey::new(terms));
         }
         let (unknowns, driving) = self.solve(terms, &mut effort)?;
@@ -205,8 +222,11 @@ where
                 self.assemble(&now, true);
             }
             picard_left = picard_left.saturating_sub(1);
-            self.factorise(&mut effort);
+            self.factorise(&now, &mut effort);
             let (unknowns, driving) = self.solve(&now, &mut effort)?;
+            if let Some(start) = &mut self.start {
+                start.clone_from(&unknowns);
+            }
             flow = Flow {
                 superficial_velocity: velocity_of(&unknowns, &self.constraints.frames),
                 porosity: terms.solid.matrix.porosity.clone(),
@@ -232,10 +252,12 @@ where
         self.cost.assembly += cpu_seconds() - begin;
     }
 
-    fn factorise(&mut self, effort: &mut Effort) {
+    fn factorise(&mut self, terms: &Coefficients<'_, D>, effort: &mut Effort) {
         let begin = cpu_seconds();
         *self.key = None;
-        self.linear.factorise(self.system);
+        let mesh = self.mesh;
+        let missing = |hierarchy: &_| coarse::missing(terms, mesh, hierarchy);
+        self.linear.factorise(self.system, missing);
         effort.factorised += 1;
         self.cost.factor += cpu_seconds() - begin;
     }
@@ -249,7 +271,8 @@ where
     ) -> Result<(Vec<f64>, Vector<D>), FluidError> {
         let begin = cpu_seconds();
         let solved = self.steer(terms).and_then(|driving| {
-            let solution = self.linear.solve(self.system, self.given)?;
+            let start = self.start.as_deref();
+            let solution = self.linear.solve(self.system, self.given, start)?;
             Ok((solution, driving))
         });
         self.cost.solve += cpu_seconds() - begin;
@@ -265,12 +288,13 @@ where
         };
         let border = Border::new(terms, self.mesh, &drive);
         let right = self.system.right.clone();
-        let start = self.linear.solve(self.system, self.given)?.unknowns;
+        let begin = self.start.as_deref();
+        let start = self.linear.solve(self.system, self.given, begin)?.unknowns;
         let mut responses = [const { Vec::new() }; D];
         let still = vec![0.0; start.len()];
         for k in drive.steered() {
             self.system.right.clone_from(&border.columns[k]);
-            responses[k] = self.linear.solve(self.system, &still)?.unknowns;
+            responses[k] = self.linear.solve(self.system, &still, None)?.unknowns;
         }
         let gradient = border.gradient(&drive, &start, &responses);
         self.system.right = border.pushed(&right, &gradient);

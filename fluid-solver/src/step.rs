@@ -10,6 +10,7 @@ use crate::config::FluidConfig;
 use crate::cost::cpu_seconds;
 use crate::diagnostics::content::MeshChange;
 use crate::error::FluidError;
+use crate::mesh::nested::Coarser;
 use crate::mesh::simplices::Mesh;
 use crate::problem::{Problem, Step};
 use crate::solid::{Solid, SolidFields};
@@ -29,13 +30,22 @@ where
 {
     /// A solver at its initial state.
     pub fn new(config: FluidConfig<D>, mesh: Mesh<D, N>) -> Result<Self, FluidError> {
+        Self::with_coarser(config, mesh, &[])
+    }
+
+    /// The same with coarser meshes under the mesh, by which large ones are solved.
+    pub fn with_coarser(
+        config: FluidConfig<D>,
+        mesh: Mesh<D, N>,
+        coarser: &[Coarser<D, N>],
+    ) -> Result<Self, FluidError> {
         config.validate()?;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(config.threads.max(1))
             .build();
         Ok(FluidSolver {
             accepted: State::uniform(mesh.node_count(), config.initial_velocity),
-            problem: Problem::new(config, mesh)?,
+            problem: Problem::new(config, mesh, coarser)?,
             pool: Arc::new(pool.map_err(|error| FluidError::Threads(error.to_string()))?),
             candidate: None,
         })
@@ -67,16 +77,17 @@ where
         self.problem.add_cost_of_mesh(0.0);
     }
 
-    /// Go on on another mesh, whose nodes are at these nodes and shape functions of the one before; it was begun at
-    /// this CPU time \[s\].
+    /// Go on on another mesh with coarser ones under it, whose nodes are at these nodes and shape functions of the one
+    /// before; it was begun at this CPU time \[s\].
     pub(crate) fn change_mesh(
         &mut self,
         mesh: Mesh<D, N>,
+        coarser: &[Coarser<D, N>],
         spots: &[([u32; N], [f64; N])],
         begin: f64,
     ) -> Result<(), FluidError> {
         let config = self.problem.config();
-        let mut problem = Problem::new(config.clone(), mesh)?;
+        let mut problem = Problem::new(config.clone(), mesh, coarser)?;
         let mut state = self.accepted.carried(spots);
         let before = || self.accepted.content(&self.problem.mesh, config.density);
         let changed = self.accepted.mesh_change;

@@ -10,6 +10,7 @@
 use space::{Dim, Dimension, Vector};
 
 use super::condition::Condition;
+use super::floating::Floating;
 use super::frame::Frame;
 use super::inflow::{self, Profile};
 use super::node::NodeVelocity;
@@ -120,8 +121,30 @@ impl<const D: usize> Constraints<D> {
         }
     }
 
+    /// What is given if the pressure of closed parts may be any that differs by a constant.
+    pub fn fixed_but_pins(&self) -> Vec<bool> {
+        let mut fixed = self.fixed.clone();
+        for node in self.pinned() {
+            fixed[Self::UNKNOWNS * node + D] = false;
+        }
+        fixed
+    }
+
+    /// Parts whose pressure is known up to a constant.
+    pub fn floating(&self) -> Floating {
+        let mut number = vec![u32::MAX; self.closed_parts.len()];
+        let pinned = self.pinned();
+        for (k, &node) in pinned.iter().enumerate() {
+            number[self.part[node]] = k as u32;
+        }
+        Floating {
+            pinned,
+            part: self.part.iter().map(|&part| number[part]).collect(),
+        }
+    }
+
     /// The first node of each part without an open boundary.
-    fn pinned(&self) -> Vec<usize> {
+    pub fn pinned(&self) -> Vec<usize> {
         let first = |&part: &usize| self.part.iter().position(|&own| own == part);
         let closed = (0..self.closed_parts.len()).filter(|&part| self.closed_parts[part]);
         closed.filter_map(|part| first(&part)).collect()

@@ -16,6 +16,11 @@ impl<const D: usize> Frame<D> {
         Frame(Dim::<D>::frame(normal))
     }
 
+    /// The directions.
+    pub fn directions(&self) -> &[Vector<D>; D] {
+        &self.0
+    }
+
     /// The first D of these values, components along the axes, become those along the frame.
     #[inline]
     pub fn turn(&self, values: &mut [f64]) {

@@ -4,10 +4,12 @@
 //! * [`frame`]: velocity unknowns along a wall
 //! * [`constraints`]: what is known about the unknowns of every node
 //! * `slip`, `inflow`, `moving`, `open`: where that comes from
+//! * [`floating`]: pressures that are known up to a constant
 //! * [`flux`]: what flows across boundaries whose velocity is given
 
 pub mod condition;
 pub mod constraints;
+pub mod floating;
 pub mod flux;
 pub mod frame;
 mod inflow;
@@ -18,5 +20,6 @@ mod slip;
 
 pub use condition::{Condition, VelocityFunction};
 pub use constraints::Constraints;
+pub use floating::Floating;
 pub use flux::BoundaryFlux;
 pub use frame::Frame;

@@ -6,11 +6,13 @@
 //! * [`open`]: the facets of open boundaries
 //! * `held`: what is different where held grains drag unevenly
 //! * [`assembly`]: the system made of them
+//! * [`coarse`]: what coarser meshes of the iterative solver lack
 //! * [`drive`]: the mean of a flow through periodic sides, steered
 //! * [`creeping`]: when convection may be left out
 //! * [`manufactured`]: exact solutions for tests and studies
 
 pub mod assembly;
+pub mod coarse;
 pub mod coefficients;
 pub mod continuity;
 pub mod creeping;

@@ -1,18 +1,13 @@
 //! Sparse direct solve: symbolic analysis once, numeric factor when the matrix changed, iterative
 //! refinement always.
 //!
-//! ```text
-//!   s_u = (mean of |K_dd|)^(−1/2),      s_p = |K_pp|^(−1/2)      symmetric nodal scaling
-//!   ω   = max_i |r − Kx|_i / (|K||x| + |r|)_i                    componentwise backward error
-//! ```
-//!
-//! A 2-norm residual hides a wrong fluid velocity next to stiff grains; ω does not (Oettli and
-//! Prager 1964). Where the denominator of a row is round-off, that of Arioli, Demmel and Duff
-//! (1989) is taken. Where refinement with the multifrontal factor does not reach the bound, the
-//! matrix is factorised once more with row exchanges anywhere.
+//! Scaling and backward error ω are those of [`super::measure`]. Where refinement with the
+//! multifrontal factor does not reach the bound, the matrix is factorised once more with row
+//! exchanges anywhere.
 
 use space::Vector;
 
+use super::measure;
 use super::multifrontal::Multifrontal;
 use super::pattern::Pattern;
 use super::pivoting::PivotingLu;
@@ -38,6 +33,17 @@ pub struct Solution {
     pub refinements: usize,
     /// Was the safe factor needed?
     pub pivoted: bool,
+    /// What an iterative solver did; none where the matrix was factorised.
+    pub krylov: Option<Krylov>,
+}
+
+/// What an iterative solver did.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub struct Krylov {
+    /// Iterations, with those of preconditioners that were not enough.
+    pub iterations: usize,
+    /// Preconditioners that were not enough.
+    pub fallbacks: usize,
 }
 
 /// The factorised matrix of a mesh.
@@ -71,7 +77,7 @@ impl<const N: usize> LinearSolver<N> {
 
     /// Factorise the matrix of a system.
     pub fn factorise(&mut self, system: &System<N>) {
-        self.scale_of(system);
+        self.scale = measure::nodal_scale(system);
         let (scale, fixed) = (&self.scale, &self.fixed);
         let mut slot = self.scaled.iter_mut();
         system
@@ -99,31 +105,6 @@ impl<const N: usize> LinearSolver<N> {
         self.safe = Some(safe);
         self.safe_is_current = true;
         Ok(())
-    }
-
-    fn scale_of(&mut self, system: &System<N>) {
-        let mut diagonal = vec![0.0; self.scale.len()];
-        system
-            .pattern
-            .for_each(&system.matrix, |row, column, value| {
-                if row == column {
-                    diagonal[row] = value.abs();
-                }
-            });
-        let root = |value: f64| {
-            if value > 0.0 {
-                value.sqrt().recip()
-            } else {
-                1.0
-            }
-        };
-        let nodes = self.scale.chunks_exact_mut(N);
-        for (scale, diagonal) in nodes.zip(diagonal.chunks_exact(N)) {
-            let (velocity, pressure) = diagonal.split_at(N - 1);
-            let sum = velocity.iter().fold(0.0, |sum, value| sum + value);
-            scale.fill(root(sum / velocity.len() as f64));
-            scale[N - 1] = root(pressure[0]);
-        }
     }
 
     /// Solve with the last factor; `given` holds the fixed unknowns. Which of the two factors is taken
@@ -154,7 +135,7 @@ impl<const N: usize> LinearSolver<N> {
             .map(|(&v, &fixed)| if fixed { v } else { 0.0 })
             .collect();
         self.correct(system, &mut x, pivoted);
-        let mut error = self.backward_error(system, &x);
+        let mut error = measure::backward_error(system, &x, &self.scale, &self.fixed);
         let mut refinements = 0;
         while refinements < REFINEMENTS_MAX && error.is_finite() {
             let usual = refinements < REFINEMENTS;
@@ -170,7 +151,7 @@ impl<const N: usize> LinearSolver<N> {
             let mut next = x.clone();
             self.correct(system, &mut next, pivoted);
             refinements += 1;
-            let next_error = self.backward_error(system, &next);
+            let next_error = measure::backward_error(system, &next, &self.scale, &self.fixed);
             if next_error >= error || next_error.is_nan() {
                 break;
             }
@@ -181,32 +162,13 @@ impl<const N: usize> LinearSolver<N> {
             backward_error: error,
             refinements,
             pivoted,
+            krylov: None,
         }
     }
 
-    /// ‖S(r − Kx)‖ / ‖S|K||x|‖ over the free unknowns.
-    pub fn residual(&mut self, system: &System<N>, x: &[f64]) -> f64 {
-        self.scale_of(system);
-        let mut residual = system.right.clone();
-        let mut size = vec![0.0; x.len()];
-        system
-            .pattern
-            .for_each(&system.matrix, |row, column, value| {
-                residual[row] -= value * x[column];
-                size[row] += (value * x[column]).abs();
-            });
-        let norm = |values: &[f64]| {
-            let free = (0..values.len()).filter(|&k| !self.fixed[k]);
-            free.map(|k| (self.scale[k] * values[k]).powi(2))
-                .sum::<f64>()
-                .sqrt()
-        };
-        let (residual, size) = (norm(&residual), norm(&size));
-        if residual == 0.0 {
-            0.0
-        } else {
-            residual / size
-        }
+    /// [`measure::residual`]
+    pub fn residual(&self, system: &System<N>, x: &[f64]) -> f64 {
+        measure::residual(system, x, &self.fixed)
     }
 
     /// x ← x + S (LU)⁻¹ S (r − K x) on the free unknowns.
@@ -231,44 +193,6 @@ impl<const N: usize> LinearSolver<N> {
                 x[k] += value * self.scale[k];
             }
         }
-    }
-
-    /// ω of the free rows.
-    fn backward_error(&self, system: &System<N>, x: &[f64]) -> f64 {
-        let n = x.len();
-        let mut residual = system.right.clone();
-        let mut size: Vec<f64> = system.right.iter().map(|value| value.abs()).collect();
-        let mut row_sum = vec![0.0; n];
-        system
-            .pattern
-            .for_each(&system.matrix, |row, column, value| {
-                let product = value * x[column];
-                residual[row] -= product;
-                size[row] += product.abs();
-                row_sum[row] += (value * self.scale[column]).abs();
-            });
-        let largest = x
-            .iter()
-            .zip(&self.scale)
-            .map(|(x, s)| (x / s).abs())
-            .fold(0.0, f64::max);
-        let mut worst: f64 = 0.0;
-        for k in (0..n).filter(|&k| !self.fixed[k]) {
-            let background = row_sum[k] * largest;
-            let tiny = 1000.0 * n as f64 * f64::EPSILON * (background + system.right[k].abs());
-            let bound = if size[k] > tiny {
-                size[k]
-            } else {
-                size[k] + background
-            };
-            if residual[k] != 0.0 {
-                worst = worst.max(residual[k].abs() / bound);
-            }
-            if residual[k].is_nan() {
-                return f64::NAN;
-            }
-        }
-        worst
     }
 }
 

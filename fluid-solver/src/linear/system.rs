@@ -52,6 +52,18 @@ impl<const N: usize> System<N> {
         }
     }
 
+    /// The block in the columns of a node and the rows of its `k`-th neighbour, column by column.
+    #[inline]
+    pub fn block(&self, node: usize, k: usize) -> [[f64; N]; N] {
+        let pattern = &self.pattern;
+        let begin = N * N * pattern.start[node] + N * k;
+        let stride = N * pattern.neighbours(node).len();
+        std::array::from_fn(|f| {
+            let column = &self.matrix[begin + f * stride..][..N];
+            std::array::from_fn(|d| column[d])
+        })
+    }
+
     /// K x − r, the reaction on each unknown.
     pub fn reaction(&self, x: &[f64]) -> Vec<f64> {
         let mut residual = self.right.clone();

@@ -64,6 +64,19 @@ pub trait Forest<const D: usize, const N: usize> {
 
     /// Period along each axis \[m\].
     fn period(&self) -> space::Period<D>;
+
+    /// The same box of simplices twice as large; none where there is no such.
+    fn coarser(&self) -> Option<Self>
+    where
+        Self: Sized,
+    {
+        None
+    }
+
+    /// The simplex that a place is in; none where that would have to be searched.
+    fn home(&self, _place: &Vector<D>) -> Option<u32> {
+        None
+    }
 }
 
 /// Where a vertex is, exactly.
@@ -217,13 +230,23 @@ where
 
     /// The nodes of another mesh of the same root, in this one.
     pub fn spots_of(&self, other: &Self) -> Vec<Spot<N>> {
+        self.spots(other.homes.iter().copied())
+    }
+
+    /// The nodes of a mesh of another root, in this one.
+    pub fn spots_by_place(&self, other: &Self) -> Vec<Spot<N>> {
+        let homes = other.homes.iter();
+        self.spots(homes.map(|&(home, place)| (self.root.home(&place).unwrap_or(home), place)))
+    }
+
+    fn spots(&self, homes: impl Iterator<Item = (u32, Vector<D>)>) -> Vec<Spot<N>> {
         let roots: Vec<Part<F::Point, N>> = self.root.simplices().collect();
-        let spot = |(home, place): &(u32, Vector<D>)| {
-            let part = roots[*home as usize];
+        let spot = |(home, place): (u32, Vector<D>)| {
+            let part = roots[home as usize];
             let corners = part.corners.map(|corner| self.root.position(&corner));
-            self.descend(part, exact(simplex::weights(&corners, place)))
+            self.descend(part, exact(simplex::weights(&corners, &place)))
         };
-        other.homes.iter().map(spot).collect()
+        homes.map(spot).collect()
     }
 
     /// The nodes around a point and their shape functions, from the simplex of the root that it lies in.

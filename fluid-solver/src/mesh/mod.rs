@@ -6,12 +6,14 @@
 //! * [`rectangle`], [`mod@file`]: the two ways to a mesh; rectangles know no space
 //! * [`sizes`], [`bisection`]: the third, cells as large as a function of the place says, from a [`root`] of cells or
 //!   from a mesh ([`longest`])
+//! * [`nested`]: coarser ones under such a mesh
 
 pub mod bisection;
 pub mod facet;
 mod facets;
 pub mod file;
 pub mod longest;
+pub mod nested;
 mod parts;
 pub mod rectangle;
 pub mod root;
@@ -21,6 +23,7 @@ pub mod sizes;
 pub use bisection::{Bisection, Forest, Spot};
 pub use facet::BoundaryFacet;
 pub use longest::LongestEdge;
+pub use nested::Coarser;
 pub use rectangle::{Diagonals, Rectangle};
 pub use root::Root;
 pub use simplices::Mesh;

@@ -183,4 +183,25 @@ where
     fn period(&self) -> space::Period<D> {
         Root::period(self)
     }
+
+    fn coarser(&self) -> Option<Self> {
+        let cells = self.cells.map(|cells| cells.div_ceil(2));
+        (cells != self.cells).then(|| Root {
+            cells,
+            ..self.clone()
+        })
+    }
+
+    fn home(&self, place: &Vector<D>) -> Option<u32> {
+        let within: [f64; D] = std::array::from_fn(|d| {
+            (place[d] - self.lower[d]) / (self.upper[d] - self.lower[d]) * self.cells[d] as f64
+        });
+        let at: [usize; D] = std::array::from_fn(|d| (within[d] as usize).min(self.cells[d] - 1));
+        let mut order: [usize; D] = std::array::from_fn(|d| d);
+        let share = |d: usize| within[d] - at[d] as f64;
+        order.sort_by(|&a, &b| share(b).total_cmp(&share(a)));
+        let cell = (0..D).rev().fold(0, |sum, d| sum * self.cells[d] + at[d]);
+        let number = orders::<D>().position(|own| own == order);
+        number.map(|number| (cell * factorial(D) + number) as u32)
+    }
 }

@@ -103,6 +103,16 @@ impl<const D: usize> Sizes<D> {
         sizes
     }
 
+    /// A multiple of these sizes.
+    pub fn times(&self, factor: f64) -> Sizes<D> {
+        let mut sizes = self.clone();
+        sizes.growth *= factor;
+        sizes.largest *= factor;
+        (sizes.zones.iter_mut()).for_each(|zone| zone.size *= factor);
+        (sizes.branches.iter_mut()).for_each(|branch| branch.size *= factor);
+        sizes
+    }
+
     /// Sort a range of zones into branches; returns the number of the first.
     fn divide(&mut self, range: std::ops::Range<usize>) -> usize {
         let own = &mut self.zones[range.clone()];

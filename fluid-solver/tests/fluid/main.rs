@@ -9,6 +9,7 @@ mod creeping;
 mod epochs;
 mod held;
 mod inflow;
+mod iterative;
 mod longest;
 mod manufactured;
 mod mean_flow;

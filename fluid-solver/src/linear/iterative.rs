@@ -1,0 +1,341 @@
+//! The iterative solver: flexible GMRES with a multigrid cycle as preconditioner.
+//!
+//! ```text
+//!   ‖S(r − K x)‖ ≤ 1e-10 ‖S(r − K x_given)‖      over the free unknowns, S the nodal scaling
+//! ```
+//!
+//! x_given: the fixed unknowns, 0 elsewhere. A pressure that is known up to a constant is singular in all of multigrid
+//! but on its last level; what the pinned row lacks there is the sum of the others, since those of continuity add up
+//! to 0. Where the iterations allowed are not enough, more fill is tried, then a direct factor; what is tried depends
+//! on matrix, right-hand side and start alone.
+
+use space::{Dim, Dimension, Vector};
+
+use super::hierarchy::Hierarchy;
+use super::krylov;
+use super::measure;
+use super::multigrid::{Multigrid, Smoothers};
+use super::solver::{Krylov, LinearSolver, Solution};
+use super::system::System;
+use crate::boundary::Floating;
+use crate::error::FluidError;
+
+/// Residual at which it stops, relative to that of the given unknowns alone.
+pub const TOLERANCE: f64 = 1e-10;
+/// Iterations allowed where there are coarser meshes.
+const ITERATIONS_MAX: usize = 40;
+/// Iterations allowed where there are none.
+const ITERATIONS_ALONE_MAX: usize = 100;
+/// Most nodes of which a direct factor fits.
+const DIRECT_FITS: usize = 20_000;
+
+/// Solver of the systems on a mesh.
+pub struct Iterative<const D: usize, const N: usize> {
+    hierarchy: Hierarchy<N>,
+    position: Vec<Vector<D>>,
+    fixed: Vec<bool>,
+    floating: Floating,
+    /// S
+    scale: Vec<f64>,
+    /// One factor for all velocities, one for all pressures: single precision has a range.
+    uniform: [f64; N],
+    matrices: Multigrid<N>,
+    stages: Vec<Stage<N>>,
+    direct: Option<LinearSolver<N>>,
+    /// Does the direct factor hold the present matrix?
+    direct_is_current: bool,
+}
+
+/// A preconditioner.
+struct Stage<const N: usize> {
+    fill: u8,
+    /// Made when first needed.
+    smoothers: Option<Smoothers<N>>,
+    /// Of the present matrix: not made yet, or has it a factor?
+    factorised: Option<bool>,
+}
+
+impl<const D: usize, const N: usize> Iterative<D, N>
+where
+    Dim<D>: Dimension<D>,
+{
+    /// Of a mesh and coarser ones; `fixed` unknowns are eliminated.
+    pub fn new(
+        hierarchy: Hierarchy<N>,
+        position: &[Vector<D>],
+        fixed: Vec<bool>,
+        floating: Floating,
+    ) -> Iterative<D, N> {
+        let fills: &[u8] = if hierarchy.levels.is_empty() {
+            &[1]
+        } else {
+            &[0, 1]
+        };
+        let stage = |&fill: &u8| Stage {
+            fill,
+            smoothers: None,
+            factorised: None,
+        };
+        Iterative {
+            matrices: Multigrid::new(&hierarchy),
+            stages: fills.iter().map(stage).collect(),
+            hierarchy,
+            position: position.to_vec(),
+            scale: vec![1.0; fixed.len()],
+            uniform: [1.0; N],
+            fixed,
+            floating,
+            direct: None,
+            direct_is_current: false,
+        }
+    }
+
+    /// The mesh and the coarser ones.
+    pub fn hierarchy(&self) -> &Hierarchy<N> {
+        &self.hierarchy
+    }
+
+    /// Make the preconditioner of a system; `missing` is k of (G1) in [`super::multigrid`], level by level.
+    pub fn factorise(&mut self, system: &System<N>, missing: &[Vec<f64>]) {
+        self.scale = measure::nodal_scale(system);
+        self.uniform = std::array::from_fn(|q| {
+            let of_unknown = self.scale.iter().skip(q).step_by(N);
+            let sum: f64 = of_unknown.map(|s| 1.0 / (s * s)).sum();
+            (sum * N as f64 / self.scale.len() as f64).sqrt().recip()
+        });
+        self.copy(system);
+        let weight = self.uniform[N - 1] * self.uniform[N - 1];
+        self.matrices.coarsen(&self.hierarchy, missing, weight);
+        for stage in &mut self.stages {
+            stage.factorised = None;
+        }
+        self.direct_is_current = false;
+        self.prepare(0);
+    }
+
+    /// The matrix in the order of rows.
+    fn copy(&mut self, system: &System<N>) {
+        let (hierarchy, uniform) = (&self.hierarchy, self.uniform);
+        let mut rank = vec![0_u32; hierarchy.order.len()];
+        for (row, &node) in hierarchy.order.iter().enumerate() {
+            rank[node as usize] = row as u32;
+        }
+        let mut next = hierarchy.rows.start.clone();
+        let blocks = &mut self.matrices.finest().blocks;
+        for (column, &node) in hierarchy.order.iter().enumerate() {
+            let neighbours = system.pattern.neighbours(node as usize);
+            for (k, &other) in neighbours.iter().enumerate() {
+                let row = rank[other] as usize;
+                let mut block = system.block(node as usize, k);
+                for (c, values) in block.iter_mut().enumerate() {
+                    (0..N).for_each(|r| values[r] *= uniform[c] * uniform[r]);
+                }
+                blocks[next[row] as usize] = hierarchy.unknowns.fix(row, column, &block);
+                next[row] += 1;
+            }
+        }
+    }
+
+    /// Is a stage of use for the present matrix?
+    fn prepare(&mut self, number: usize) -> bool {
+        let (stage, matrices) = (&mut self.stages[number], &self.matrices);
+        let smoothers = (stage.smoothers).get_or_insert_with(|| Smoothers::new(matrices, stage.fill));
+        *(stage.factorised).get_or_insert_with(|| smoothers.factorise(matrices))
+    }
+
+    /// Solve with the last matrix; `given` holds the fixed unknowns, `start` what the others may be near to.
+    pub fn solve(
+        &mut self,
+        system: &System<N>,
+        given: &[f64],
+        start: Option<&[f64]>,
+    ) -> Result<Solution, FluidError> {
+        let known = given.iter().zip(&self.fixed);
+        let mut x: Vec<f64> = known
+            .map(|(&v, &fixed)| if fixed { v } else { 0.0 })
+            .collect();
+        let reference = norm(&self.residual(system, &x));
+        if let Some(start) = start {
+            let start = self.shifted(start, &x);
+            if norm(&self.residual(system, &start)) < reference {
+                x = start;
+            }
+        }
+        let mut krylov = Krylov::default();
+        let mut left = f64::INFINITY;
+        for number in 0..self.stages.len() {
+            if self.prepare(number) {
+                let (iterations, reached) = self.iterate(system, &mut x, number, reference);
+                krylov.iterations += iterations;
+                left = reached;
+                if left <= TOLERANCE {
+                    return Ok(self.solution(system, x, krylov));
+                }
+            }
+            krylov.fallbacks += 1;
+            tracing::info!(left, "the preconditioner is not good enough: more fill");
+        }
+        self.solve_directly(system, given, krylov, left)
+    }
+
+    fn solution(&self, system: &System<N>, x: Vec<f64>, krylov: Krylov) -> Solution {
+        Solution {
+            backward_error: measure::backward_error(system, &x, &self.scale, &self.fixed),
+            unknowns: x,
+            refinements: 0,
+            pivoted: false,
+            krylov: Some(krylov),
+        }
+    }
+
+    /// Iterate from x on; returns iterations and the residual reached, relative to the reference.
+    fn iterate(
+        &mut self,
+        system: &System<N>,
+        x: &mut [f64],
+        stage: usize,
+        reference: f64,
+    ) -> (usize, f64) {
+        let most = match self.hierarchy.levels.is_empty() {
+            true => ITERATIONS_ALONE_MAX,
+            false => ITERATIONS_MAX,
+        };
+        let goal = TOLERANCE * reference;
+        let mut iterations = 0;
+        loop {
+            let residual = self.residual(system, x);
+            let left = norm(&residual);
+            if left <= goal || left.is_nan() {
+                let relative = if left == 0.0 { 0.0 } else { left / reference };
+                return (iterations, relative);
+            }
+            if iterations >= most {
+                return (iterations, left / reference);
+            }
+            let (fixed, scale, floating) = (&self.fixed, &self.scale, &self.floating);
+            let (hierarchy, uniform) = (&self.hierarchy, &self.uniform);
+            let Some(smoothers) = &self.stages[stage].smoothers else {
+                return (iterations, left / reference);
+            };
+            let matrices = &mut self.matrices;
+            let mut unscaled = vec![0.0; x.len()];
+            let precondition = |v: &[f64], z: &mut [f64]| {
+                let pairs = v.iter().zip(scale);
+                (unscaled.iter_mut().zip(pairs)).for_each(|(slot, (v, s))| *slot = v / s);
+                floating.fill_pinned::<N>(&mut unscaled);
+                let solved = matrices.cycle(hierarchy, smoothers, |right| {
+                    for (slot, &node) in right.iter_mut().zip(&hierarchy.order) {
+                        let values = &unscaled[N * node as usize..][..N];
+                        *slot = std::array::from_fn(|q| (values[q] * uniform[q]) as f32);
+                    }
+                });
+                for (values, &node) in solved.iter().zip(&hierarchy.order) {
+                    let slot = &mut z[N * node as usize..][..N];
+                    (0..N).for_each(|q| slot[q] = f64::from(values[q]) * uniform[q]);
+                }
+                floating.level::<N>(z);
+                clear_fixed(z, fixed);
+            };
+            let multiply = |z: &[f64], w: &mut [f64]| {
+                w.fill(0.0);
+                system.pattern.subtract_product(&system.matrix, z, w);
+                for (k, value) in w.iter_mut().enumerate() {
+                    *value *= if fixed[k] { 0.0 } else { -scale[k] };
+                }
+            };
+            let (step, reached) = krylov::solve(
+                residual,
+                0.9 * goal,
+                most - iterations,
+                precondition,
+                multiply,
+            );
+            if reached.iterations == 0 {
+                return (iterations, left / reference);
+            }
+            iterations += reached.iterations;
+            x.iter_mut().zip(&step).for_each(|(x, step)| *x += step);
+        }
+    }
+
+    /// S(r − K x), 0 where the unknown is fixed.
+    fn residual(&self, system: &System<N>, x: &[f64]) -> Vec<f64> {
+        let mut residual = system.right.clone();
+        let product = &system.pattern;
+        product.subtract_product(&system.matrix, x, &mut residual);
+        for (k, value) in residual.iter_mut().enumerate() {
+            *value *= if self.fixed[k] { 0.0 } else { self.scale[k] };
+        }
+        residual
+    }
+
+    /// A start with the given unknowns of `given`, the pressure of a closed part level with that given there.
+    fn shifted(&self, start: &[f64], given: &[f64]) -> Vec<f64> {
+        let mut start = start.to_vec();
+        self.floating.level::<N>(&mut start);
+        for &pinned in &self.floating.pinned {
+            start[N * pinned + D] = given[N * pinned + D];
+        }
+        for (k, slot) in start.iter_mut().enumerate() {
+            if self.fixed[k] {
+                *slot = given[k];
+            }
+        }
+        start
+    }
+
+    fn solve_directly(
+        &mut self,
+        system: &System<N>,
+        given: &[f64],
+        krylov: Krylov,
+        left: f64,
+    ) -> Result<Solution, FluidError> {
+        let nodes = self.position.len();
+        if nodes > DIRECT_FITS {
+            return Err(FluidError::Krylov {
+                residual: left,
+                iterations: krylov.iterations,
+                tolerance: TOLERANCE,
+                nodes,
+                most: DIRECT_FITS,
+            });
+        }
+        tracing::info!(nodes, left, "the iterative solver did not converge: a direct factor");
+        let (position, fixed) = (&self.position, &self.fixed);
+        let make = || LinearSolver::new(&system.pattern, position, fixed.clone());
+        let direct = self.direct.get_or_insert_with(make);
+        if !self.direct_is_current {
+            direct.factorise(system);
+            self.direct_is_current = true;
+        }
+        Ok(Solution {
+            krylov: Some(krylov),
+            ..direct.solve(system, given)?
+        })
+    }
+
+    /// ‖S(r − Kx)‖ / ‖S|K||x|‖ over the free unknowns.
+    pub fn relative_residual(&self, system: &System<N>, x: &[f64]) -> f64 {
+        measure::residual(system, x, &self.fixed)
+    }
+
+    /// Memory of the preconditioner \[bytes\].
+    pub fn bytes(&self) -> usize {
+        let smoothers = self.stages.iter().filter_map(|s| s.smoothers.as_ref());
+        let smoothers: usize = smoothers.map(|s| s.bytes(&self.matrices)).sum();
+        self.hierarchy.bytes() + self.matrices.bytes() + smoothers
+    }
+}
+
+fn clear_fixed(x: &mut [f64], fixed: &[bool]) {
+    for (value, &fixed) in x.iter_mut().zip(fixed) {
+        if fixed {
+            *value = 0.0;
+        }
+    }
+}
+
+fn norm(values: &[f64]) -> f64 {
+    krylov::dot(values, values).sqrt()
+}
