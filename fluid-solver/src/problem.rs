@@ -1,6 +1,6 @@
 //! The discrete problem of one step, and the candidate made of its solution.
 
-use space::{Dim, Dimension, Period, Vector, hypot};
+use space::{Dim, Dimension, Period, Vector, dot, hypot};
 
 use crate::boundary::condition::resolve_names;
 use crate::boundary::constraints::Constraints;
@@ -15,6 +15,7 @@ use crate::equations::creeping::Creeping;
 use crate::equations::drive::Drive;
 use crate::error::FluidError;
 use crate::linear::hierarchy::Conditions;
+use crate::linear::iterative::Starts;
 use crate::linear::method::Method;
 use crate::linear::system::System;
 use crate::mesh::nested::Coarser;
@@ -221,7 +222,10 @@ where
         };
         let given = self.constraints.values(&self.mesh, step.time);
         let flux = self.constraints.boundary_flux(&self.mesh, step.time)?;
-        let start = (self.linear.begins()).then(|| step.unknowns(&self.constraints));
+        let starts = (self.linear.begins()).then(|| Starts {
+            rest: hydrostatic(config, &self.mesh),
+            last: step.unknowns(&self.constraints),
+        });
         let mut equations = Equations {
             mesh: &self.mesh,
             constraints: &self.constraints,
@@ -230,7 +234,7 @@ where
             key: &mut self.key,
             given: &given,
             flux: &flux.of_node,
-            start,
+            starts,
             drive: self.drive,
             cost: &mut self.cost,
         };
@@ -342,6 +346,18 @@ where
     });
     let levels: Vec<_> = levels.collect();
     Method::new(system, &Conditions { mesh, constraints }, &levels)
+}
+
+/// The unknowns of fluid at rest: p = ρ g·x.
+fn hydrostatic<const D: usize, const N: usize>(
+    config: &FluidConfig<D>,
+    mesh: &Mesh<D, N>,
+) -> Vec<f64> {
+    let mut unknowns = vec![0.0; N * mesh.node_count()];
+    for (values, position) in unknowns.chunks_exact_mut(N).zip(&mesh.position) {
+        values[D] = config.density * dot(&config.gravity, position);
+    }
+    unknowns
 }
 
 /// What the configuration asks of the mean flow through periodic sides.

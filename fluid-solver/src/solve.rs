@@ -18,6 +18,7 @@ use crate::equations::coarse;
 use crate::equations::coefficients::Coefficients;
 use crate::equations::drive::{Border, Drive};
 use crate::error::FluidError;
+use crate::linear::iterative::Starts;
 use crate::linear::method::Method;
 use crate::linear::solver::Krylov;
 use crate::linear::system::System;
@@ -136,8 +137,8 @@ pub struct Equations<'a, const D: usize, const N: usize> {
     pub given: &'a [f64],
     /// ∮ N_i Q_n
     pub flux: &'a [f64],
-    /// Unknowns that an iterative solver begins with: those of the accepted state, then of the last iterate.
-    pub start: Option<Vec<f64>>,
+    /// What an iterative solver may begin with: the accepted state, then the last iterate.
+    pub starts: Option<Starts>,
     /// What the flow is to do on the whole, where that is steered.
     pub drive: Option<Drive<D>>,
     /// CPU time so far.
@@ -224,8 +225,8 @@ where
             picard_left = picard_left.saturating_sub(1);
             self.factorise(&now, &mut effort);
             let (unknowns, driving) = self.solve(&now, &mut effort)?;
-            if let Some(start) = &mut self.start {
-                start.clone_from(&unknowns);
+            if let Some(starts) = &mut self.starts {
+                starts.last.clone_from(&unknowns);
             }
             flow = Flow {
                 superficial_velocity: velocity_of(&unknowns, &self.constraints.frames),
@@ -271,8 +272,8 @@ where
     ) -> Result<(Vec<f64>, Vector<D>), FluidError> {
         let begin = cpu_seconds();
         let solved = self.steer(terms).and_then(|driving| {
-            let start = self.start.as_deref();
-            let solution = self.linear.solve(self.system, self.given, start)?;
+            let starts = self.starts.as_ref();
+            let solution = self.linear.solve(self.system, self.given, starts)?;
             Ok((solution, driving))
         });
         self.cost.solve += cpu_seconds() - begin;
@@ -288,8 +289,9 @@ where
         };
         let border = Border::new(terms, self.mesh, &drive);
         let right = self.system.right.clone();
-        let begin = self.start.as_deref();
-        let start = self.linear.solve(self.system, self.given, begin)?.unknowns;
+        let starts = self.starts.as_ref();
+        let solution = self.linear.solve(self.system, self.given, starts)?;
+        let start = solution.unknowns;
         let mut responses = [const { Vec::new() }; D];
         let still = vec![0.0; start.len()];
         for k in drive.steered() {

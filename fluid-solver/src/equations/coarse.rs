@@ -46,10 +46,7 @@ where
     missing
 }
 
-fn sums<const D: usize, const N: usize>(
-    terms: &Coefficients<'_, D>,
-    mesh: &Mesh<D, N>,
-) -> Vec<Sums>
+fn sums<const D: usize, const N: usize>(terms: &Coefficients<'_, D>, mesh: &Mesh<D, N>) -> Vec<Sums>
 where
     Dim<D>: Dimension<D>,
 {

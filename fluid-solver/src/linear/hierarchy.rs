@@ -164,9 +164,9 @@ fn unknowns<const D: usize, const N: usize>(
 /// the best and a complete one narrow.
 fn lexicographic<const D: usize>(position: &[Vector<D>]) -> Vec<u32> {
     let first = position.first().copied().unwrap_or_else(Vector::zeros);
-    let ends = position.iter().fold([first; 2], |[lower, upper], x| {
-        [lower.inf(x), upper.sup(x)]
-    });
+    let ends = position
+        .iter()
+        .fold([first; 2], |[lower, upper], x| [lower.inf(x), upper.sup(x)]);
     let extent = ends[1] - ends[0];
     let mut axes: [usize; D] = std::array::from_fn(|d| d);
     axes.sort_by(|&a, &b| extent[b].total_cmp(&extent[a]));

@@ -3,7 +3,7 @@
 use space::{Dim, Dimension};
 
 use super::hierarchy::{Conditions, Hierarchy};
-use super::iterative::Iterative;
+use super::iterative::{Iterative, Starts};
 use super::solver::{LinearSolver, Solution};
 use super::system::System;
 use crate::error::FluidError;
@@ -66,16 +66,16 @@ where
         }
     }
 
-    /// Solve with the last matrix; `given` holds the fixed unknowns, `start` what the others may be near to.
+    /// Solve with the last matrix; `given` holds the fixed unknowns.
     pub fn solve(
         &mut self,
         system: &System<N>,
         given: &[f64],
-        start: Option<&[f64]>,
+        starts: Option<&Starts>,
     ) -> Result<Solution, FluidError> {
         match self {
             Method::Direct(solver) => solver.solve(system, given),
-            Method::Iterative(solver) => solver.solve(system, given, start),
+            Method::Iterative(solver) => solver.solve(system, given, starts),
         }
     }
 

@@ -66,9 +66,7 @@ impl<const N: usize> Unknowns<N> {
         let mut block = block.map(|values| values.map(f64::from));
         if row == column {
             let fixed = &self.fixed[row];
-            (0..N)
-                .filter(|&q| fixed[q])
-                .for_each(|q| block[q][q] = 0.0);
+            (0..N).filter(|&q| fixed[q]).for_each(|q| block[q][q] = 0.0);
         }
         if let Some(frame) = self.frame(row) {
             for values in &mut block {
