@@ -136,7 +136,7 @@ fn table_of_large_meshes() {
             bench.bytes(),
             seconds / s / (nodes / n).powf(1.1)
         );
-        // At Ga 1000 and a step that the flow crosses hundreds of cells in, 17.
-        assert!(most <= 17);
+        // 13, but 18 at Ga 1000 and a step in which the flow crosses hundreds of cells.
+        assert!(most <= 18);
     }
 }
