@@ -100,8 +100,11 @@ where
     Ok((bisection, mesh, coarser))
 }
 
-/// The mesh of a box of cells, none of them divided.
-pub fn cells<const D: usize, const N: usize>(root: &Root<D>) -> Result<Mesh<D, N>, FluidError>
+/// A solver on a box of cells, none of them divided.
+pub fn solver_on_cells<const D: usize, const N: usize>(
+    config: FluidConfig<D>,
+    root: &Root<D>,
+) -> Result<FluidSolver<D, N>, FluidError>
 where
     Dim<D>: Dimension<D>,
 {
@@ -110,8 +113,8 @@ where
         growth: 1.0,
         largest: None,
     };
-    let (_, mesh) = bisect(root, &as_they_are)?;
-    Ok(mesh)
+    let (_, mesh, coarser) = bisect(root, &as_they_are)?;
+    FluidSolver::with_coarser(config, mesh, &coarser)
 }
 
 /// A solver on its first mesh, refined from a box of cells, and how that follows.

@@ -106,8 +106,8 @@ where
     Dim<D>: Dimension<D>,
 {
     fn solver(&self, config: FluidConfig<D>) -> Result<FluidSolver<D, N>, FluidError> {
-        let mesh = refined::cells(&joined(self, &config)?)?;
-        FluidSolver::new(config, mesh)
+        let cells = joined(self, &config)?;
+        refined::solver_on_cells(config, &cells)
     }
 
     fn refined(

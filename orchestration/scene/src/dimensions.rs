@@ -49,8 +49,6 @@ pub type Corners<const D: usize> = [[f64; D]; D];
 
 /// What is of one dimension only.
 pub trait Scenic<const D: usize>: Dimension<D> {
-    /// What a scene of it is called.
-    const NAME: &'static str;
     /// What its grains are.
     const GRAINS: &'static str;
     /// What the content of a domain is called.
@@ -60,8 +58,6 @@ pub trait Scenic<const D: usize>: Dimension<D> {
     /// Solid fraction above which random placing of equal grains becomes hopeless (disks jam at 0.547, spheres
     /// at 0.384).
     const RANDOM_FRACTION_MAX: f64;
-    /// Name of a lattice of rows above each other.
-    const ROWS: &'static str;
 
     /// Content of a grain \[m^D\].
     fn grain(radius: f64) -> f64;
@@ -101,12 +97,10 @@ pub trait Scenic<const D: usize>: Dimension<D> {
 }
 
 impl Scenic<2> for Dim<2> {
-    const NAME: &'static str = "plane";
     const GRAINS: &'static str = "disks";
     const CONTENT: &'static str = "area";
     const DENSEST: f64 = 0.9069;
     const RANDOM_FRACTION_MAX: f64 = 0.5;
-    const ROWS: &'static str = "square";
 
     fn grain(radius: f64) -> f64 {
         PI * radius * radius
@@ -189,7 +183,7 @@ impl Scenic<2> for Dim<2> {
 
     fn shift(pattern: Pattern, number: &[usize; 2]) -> [f64; 2] {
         match pattern {
-            Pattern::Square => [0.0; 2],
+            Pattern::Square | Pattern::Cubic => [0.0; 2],
             Pattern::Hexagonal => [0.5 * (number[1] % 2) as f64, 0.0],
         }
     }
@@ -200,12 +194,10 @@ impl Scenic<2> for Dim<2> {
 }
 
 impl Scenic<3> for Dim<3> {
-    const NAME: &'static str = "space";
     const GRAINS: &'static str = "spheres";
     const CONTENT: &'static str = "volume";
     const DENSEST: f64 = 0.7405;
     const RANDOM_FRACTION_MAX: f64 = 0.35;
-    const ROWS: &'static str = "cubic";
 
     fn grain(radius: f64) -> f64 {
         4.0 / 3.0 * PI * radius.powi(3)
@@ -318,7 +310,7 @@ impl Scenic<3> for Dim<3> {
 
     fn shift(pattern: Pattern, number: &[usize; 3]) -> [f64; 3] {
         match pattern {
-            Pattern::Square => [0.0; 3],
+            Pattern::Square | Pattern::Cubic => [0.0; 3],
             // A layer's rows are shifted along x, and the layer itself into the hollows of the one below.
             Pattern::Hexagonal => {
                 let [row, layer] = [number[2] % 2, number[1] % 2].map(|odd| odd as f64);

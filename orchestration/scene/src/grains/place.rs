@@ -195,7 +195,9 @@ where
 fn looser<const D: usize>(lattice: &Lattice<D>) -> &'static str {
     match (lattice.spacing.is_some(), lattice.pattern) {
         (true, _) => "raise the spacing, or make the grains smaller",
-        (false, Pattern::Square) => "lower the solid fraction, or use pattern = \"hexagonal\"",
+        (false, Pattern::Square | Pattern::Cubic) => {
+            "lower the solid fraction, or use pattern = \"hexagonal\""
+        }
         (false, Pattern::Hexagonal) => "lower the solid fraction",
     }
 }

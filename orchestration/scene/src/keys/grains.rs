@@ -147,8 +147,9 @@ pub struct Lattice<const D: usize> {
 pub enum Pattern {
     /// Rows above each other.
     #[default]
-    #[serde(alias = "cubic")]
     Square,
+    /// The same in space.
+    Cubic,
     /// Every second row shifted by half a spacing; in space layers of such rows, every second one in the
     /// hollows of the others.
     Hexagonal,
