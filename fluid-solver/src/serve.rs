@@ -197,9 +197,9 @@ where
 fn failure(error: FluidError) -> Failure {
     let kind = match &error {
         FluidError::Porosity { .. } | FluidError::NotFinite { .. } => FailureKind::NotFinite,
-        FluidError::NotConverged { .. } | FluidError::LinearResidual { .. } => {
-            FailureKind::NotConverged
-        }
+        FluidError::NotConverged { .. }
+        | FluidError::LinearResidual { .. }
+        | FluidError::Krylov { .. } => FailureKind::NotConverged,
         FluidError::Unbalanced { .. } | FluidError::TooFine { .. } => FailureKind::Scene,
         _ => FailureKind::Engine,
     };

@@ -20,7 +20,7 @@ pub fn is_direct<const D: usize>(node_count: usize) -> bool {
 /// The solver of the systems on a mesh.
 pub enum Method<const D: usize, const N: usize> {
     /// A factor.
-    Direct(LinearSolver<N>),
+    Direct(Box<LinearSolver<N>>),
     /// Iteration.
     Iterative(Box<Iterative<D, N>>),
 }
@@ -38,7 +38,8 @@ where
         let position = &finest.mesh.position;
         let fixed = finest.constraints.fixed.clone();
         if is_direct::<D>(position.len()) {
-            return Method::Direct(LinearSolver::new(&system.pattern, position, fixed));
+            let solver = LinearSolver::new(&system.pattern, position, fixed);
+            return Method::Direct(Box::new(solver));
         }
         let hierarchy = Hierarchy::new(&system.pattern, finest, coarser);
         let floating = finest.constraints.floating();

@@ -48,7 +48,7 @@ impl<const N: usize> Unknowns<N> {
 
     /// Unknowns from components along the axes; fixed ones are 0.
     #[inline]
-    fn from_axes(&self, node: usize, values: &Node<N>) -> Node<N> {
+    fn along_frame(&self, node: usize, values: &Node<N>) -> Node<N> {
         let turned = match self.frame(node) {
             None => *values,
             Some(frame) => std::array::from_fn(|k| {
@@ -211,7 +211,7 @@ impl Transfer {
                 let values = &fine[other as usize];
                 (0..N).for_each(|q| sum[q] += weight * values[q]);
             }
-            *slot = unknowns[1].from_axes(node, &sum);
+            *slot = unknowns[1].along_frame(node, &sum);
         }
     }
 
@@ -231,7 +231,7 @@ impl Transfer {
                 let values = &coarse[other as usize];
                 (0..N).for_each(|q| sum[q] += weight * values[q]);
             }
-            let sum = unknowns[0].from_axes(node, &sum);
+            let sum = unknowns[0].along_frame(node, &sum);
             (0..N).for_each(|q| slot[q] += sum[q]);
         }
     }
