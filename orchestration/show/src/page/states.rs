@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::plane::{Triangles, bounds, grain_bounds};
+use crate::simplices::{Triangles, bounds, grain_bounds};
 use run::vtu::read::{self, State};
 use scene::Error;
 use serde::Serialize;
@@ -42,7 +42,7 @@ impl Drawn {
     fn of(mesh: &Triangles) -> Drawn {
         Drawn {
             points: singles(mesh.points.iter().flatten().copied()),
-            triangles: words(mesh.triangles.iter().flatten().copied()),
+            triangles: words(mesh.simplices.iter().flatten().copied()),
         }
     }
 }
@@ -240,7 +240,7 @@ impl Reader {
 fn vorticity(mesh: &Triangles, velocity: &[[f64; 2]]) -> Vec<f64> {
     let mut sum = vec![0.0; mesh.points.len()];
     let mut area = vec![0.0; mesh.points.len()];
-    for corners in &mesh.triangles {
+    for corners in &mesh.simplices {
         let [a, b, c] = corners.map(|corner| corner as usize);
         let [pa, pb, pc] = [a, b, c].map(|point| mesh.points[point]);
         let (ux, uy) = (pb[0] - pa[0], pb[1] - pa[1]);
@@ -285,7 +285,7 @@ mod tests {
         let mesh = Triangles {
             node_of: vec![0, 1, 2, 3],
             node_count: 4,
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            simplices: vec![[0, 1, 2], [0, 2, 3]],
             points,
         };
         let found = vorticity(&mesh, &velocity);
