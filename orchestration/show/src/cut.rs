@@ -13,6 +13,17 @@ pub struct Cut {
     pub triangles: Vec<[u32; 3]>,
 }
 
+/// Where an upright plane z = … lies \[m\] in a window that reaches so far along z: in the middle of the grains, or of
+/// the window where there are none.
+pub fn level(grains: Option<(f64, f64)>, window: (f64, f64)) -> f64 {
+    let (low, high) = grains.unwrap_or(window);
+    // On the window's own side there would be nothing to cut.
+    let room = 1e-6 * (window.1 - window.0);
+    (0.5 * (low + high))
+        .max(window.0 + room)
+        .min(window.1 - room)
+}
+
 /// An edge by its end points in ascending order; a point that lies on the plane itself, twice.
 type Edge = [u32; 2];
 

@@ -98,6 +98,22 @@ pub fn length<const D: usize>(vector: Point<D>) -> f64 {
     vector.into_iter().fold(0.0, f64::hypot)
 }
 
+/// a × b.
+pub fn cross(a: Point<3>, b: Point<3>) -> Point<3> {
+    std::array::from_fn(|k| {
+        let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+        a[next] * b[last] - a[last] * b[next]
+    })
+}
+
+/// The smallest and the largest number without the outermost percent on either side; none of none.
+pub fn central(mut numbers: Vec<f64>) -> Option<(f64, f64)> {
+    numbers.sort_by(f64::total_cmp);
+    let skipped = numbers.len() / 100;
+    let last = numbers.len().checked_sub(1 + skipped)?;
+    Some((numbers[skipped], numbers[last]))
+}
+
 /// The box around points.
 pub fn bounds<const D: usize>(points: impl Iterator<Item = Point<D>>) -> Corners<D> {
     points.fold(([f64::MAX; D], [f64::MIN; D]), |(low, high), point| {

@@ -3,6 +3,7 @@
 use super::canvas::Canvas;
 use super::state::{Stage, State};
 use super::{plane, space};
+use crate::outline;
 use crate::simplices::{Point, Simplices};
 
 /// What is drawn of a stage and its states.
@@ -37,9 +38,9 @@ impl Depict<2, 3> for Stage<2, 3> {
 
 impl Depict<3, 4> for Stage<3, 4> {
     fn outlines(mesh: Option<&Simplices<3, 4>>, walls: &[[Point<3>; 3]]) -> Vec<[Point<3>; 2]> {
-        let mut outlines = space::outline::of_facets(walls);
+        let mut outlines = outline::of_facets(walls);
         if let Some(mesh) = mesh {
-            outlines.extend(space::outline::creases(&mesh.points, &mesh.boundary()));
+            outlines.extend(outline::creases(&mesh.points, &mesh.boundary()));
         }
         outlines
     }

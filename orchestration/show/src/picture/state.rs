@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::colour::{self, FIXED_GRAIN, GRAIN, Rgb};
-use crate::simplices::{Corners, Point, Simplices, bounds, grain_bounds, length};
+use crate::simplices::{Corners, Point, Simplices, bounds, central, grain_bounds, length};
 
 /// What stays the same in all pictures of a run.
 #[derive(Debug, Clone)]
@@ -144,17 +144,10 @@ impl<const D: usize, const N: usize> State<D, N> {
     /// The box around the grains' centres without the outermost percent, which a long tail would stretch;
     /// none without grains.
     pub fn central_bounds(&self) -> Option<Corners<D>> {
-        if self.grain_position.is_empty() {
-            return None;
-        }
         let (mut low, mut high) = ([0.0; D], [0.0; D]);
         for axis in 0..D {
             let along = self.grain_position.iter().map(|p| f64::from(p[axis]));
-            let mut along: Vec<f64> = along.collect();
-            along.sort_by(f64::total_cmp);
-            let skipped = along.len() / 100;
-            low[axis] = along[skipped];
-            high[axis] = along[along.len() - 1 - skipped];
+            (low[axis], high[axis]) = central(along.collect())?;
         }
         Some((low, high))
     }

@@ -1,6 +1,6 @@
 //! Where a point of space is seen.
 
-use crate::simplices::{Corners, Point, length};
+use crate::simplices::{Corners, Point, cross, length};
 
 /// How far to the right of the z axis the camera stands \[rad\].
 const AZIMUTH: f64 = 0.5;
@@ -45,28 +45,6 @@ impl Camera {
     }
 }
 
-/// The eight corners of a box, x fastest, then y.
-pub fn corners((low, high): Corners<3>) -> [Point<3>; 8] {
-    std::array::from_fn(|corner| std::array::from_fn(|axis| [low, high][corner >> axis & 1][axis]))
-}
-
-/// The twelve edges of a box.
-pub fn edges(shown: Corners<3>) -> Vec<[Point<3>; 2]> {
-    let all = corners(shown);
-    let pairs =
-        (0..8_usize).flat_map(|corner| (0..3).map(move |axis| (corner, corner | 1 << axis)));
-    let different = pairs.filter(|(from, to)| from != to);
-    different.map(|(from, to)| [all[from], all[to]]).collect()
-}
-
 fn dot(a: Point<3>, b: Point<3>) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// a × b.
-pub fn cross(a: Point<3>, b: Point<3>) -> Point<3> {
-    std::array::from_fn(|k| {
-        let (next, last) = ((k + 1) % 3, (k + 2) % 3);
-        a[next] * b[last] - a[last] * b[next]
-    })
 }

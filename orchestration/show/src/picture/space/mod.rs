@@ -7,7 +7,6 @@
 mod axes;
 mod camera;
 pub mod frame;
-pub mod outline;
 pub mod overview;
 mod raster;
 mod view;

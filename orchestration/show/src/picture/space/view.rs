@@ -1,9 +1,10 @@
 //! A box of space on a rectangle of the paper, and what is drawn in it.
 
-use super::camera::{Camera, corners, edges};
+use super::camera::Camera;
 use super::raster::Raster;
 use super::{Stage, State};
-use crate::cut::Cut;
+use crate::cut::{Cut, level};
+use crate::outline::{corners, edges};
 use crate::picture::canvas::Canvas;
 use crate::picture::colour::{self, GREY, INK, Rgb};
 use crate::simplices::{Corners, Point, clip};
@@ -160,8 +161,8 @@ impl View {
         };
         let paint = |speed: f64| shares[((speed * per_speed) as usize).min(1023)];
         let (low, high) = self.sight.shown;
-        let level = cut_level(stage, state);
-        let cut = Cut::of(mesh, 2, level);
+        let height = cut_level(stage, state);
+        let cut = Cut::of(mesh, 2, height);
         let velocity = cut.at(|node| nodal[node as usize].map(f64::from));
         for corners in &cut.triangles {
             let points = corners.map(|corner| cut.points[corner as usize]);
@@ -180,22 +181,18 @@ impl View {
             [high[0], high[1]],
             [low[0], high[1]],
         ];
-        let frame = frame.map(|[x, y]| [x, y, level]);
+        let frame = frame.map(|[x, y]| [x, y, height]);
         for side in 0..4 {
             raster.line(self.see([frame[side], frame[(side + 1) % 4]]), 1.0, GREY);
         }
     }
 }
 
-/// Where the plane z = … lies \[m\]: in the middle of the grains, or of the window where there are none.
+/// Where the plane z = … lies \[m\].
 pub fn cut_level(stage: &Stage, state: &State) -> f64 {
     let (lower, upper) = stage.window;
-    let (low, high) = state.central_bounds().unwrap_or((lower, upper));
-    // On the window's own side there would be nothing to cut.
-    let room = 1e-6 * (upper[2] - lower[2]);
-    (0.5 * (low[2] + high[2]))
-        .max(lower[2] + room)
-        .min(upper[2] - room)
+    let grains = state.central_bounds().map(|(low, high)| (low[2], high[2]));
+    level(grains, (lower[2], upper[2]))
 }
 
 /// A corner of a triangle and the velocity there.

@@ -1,8 +1,8 @@
-//! Edges that show the shape of a surface of triangles.
+//! Edges that show the shape of a surface of triangles, or of a box.
 
 use std::collections::BTreeMap;
 
-use crate::simplices::{Point, length};
+use crate::simplices::{Corners, Point, cross, length};
 
 /// Cosine of the angle by which a surface bends at an edge that is drawn: 30 degrees.
 const BEND: f64 = 0.866;
@@ -51,9 +51,23 @@ pub fn of_facets(facets: &[[Point<3>; 3]]) -> Vec<[Point<3>; 2]> {
     creases(&points, &numbers)
 }
 
+/// The eight corners of a box, x fastest, then y.
+pub fn corners((low, high): Corners<3>) -> [Point<3>; 8] {
+    std::array::from_fn(|corner| std::array::from_fn(|axis| [low, high][corner >> axis & 1][axis]))
+}
+
+/// The twelve edges of a box.
+pub fn edges(shown: Corners<3>) -> Vec<[Point<3>; 2]> {
+    let all = corners(shown);
+    let pairs =
+        (0..8_usize).flat_map(|corner| (0..3).map(move |axis| (corner, corner | 1 << axis)));
+    let different = pairs.filter(|(from, to)| from != to);
+    different.map(|(from, to)| [all[from], all[to]]).collect()
+}
+
 fn normal([a, b, c]: [Point<3>; 3]) -> Point<3> {
     let between = |end: Point<3>| -> Point<3> { std::array::from_fn(|k| end[k] - a[k]) };
-    let normal = super::camera::cross(between(b), between(c));
+    let normal = cross(between(b), between(c));
     let size = length(normal).max(f64::MIN_POSITIVE);
     normal.map(|component| component / size)
 }
