@@ -18,6 +18,8 @@ mod processes;
 mod recordings;
 mod reports;
 mod resume;
+#[path = "../../show/tests/ring/mod.rs"]
+mod ring;
 mod schema;
 mod stability;
 mod states;

@@ -58,5 +58,13 @@ pub fn head(folder: &Path) -> Result<Value, Error> {
         })
         .collect();
     let scene = std::fs::read_to_string(folder.join("scene.toml")).unwrap_or_default();
-    Ok(json!({ "run": run, "steps": columns, "scene": scene, "live": false }))
+    let dimension = dimension(&run["scene"]["resolved"]);
+    Ok(
+        json!({ "dimension": dimension, "run": run, "steps": columns, "scene": scene, "live": false }),
+    )
+}
+
+/// In how many dimensions a scene is computed; of one that does not say it, the plane.
+pub fn dimension(scene: &Value) -> usize {
+    scene["gravity"].as_array().map_or(2, Vec::len)
 }

@@ -1,18 +1,22 @@
 //! Style, body, script and data in one HTML file that opens without a network.
 //!
-//! The page is `page.html`, `page.css` and `page.js`; what it shows is one JSON document inside
-//! it. `sillage view` serves the same page, which then asks for the document and for each state.
+//! The page is `page.html`, `page.css` and `page.js`, whose animation `plane.js` draws or, with three.js,
+//! `space.js`; what it shows is one JSON document inside it. `sillage view` serves the same page, which then
+//! asks for the document and for each state.
 
 use serde_json::Value;
 
 /// The page with its data inside.
 pub fn page(title: &str, data: &Value) -> String {
-    shell(
-        title,
-        include_str!("page.html"),
-        include_str!("page.js"),
-        data,
-    )
+    let common = include_str!("page.js");
+    let script = match data["dimension"].as_u64() {
+        Some(3) => {
+            let three = include_str!("three/three.min.js");
+            [three, common, include_str!("space.js")].concat()
+        }
+        _ => [common, include_str!("plane.js")].concat(),
+    };
+    shell(title, include_str!("page.html"), &script, data)
 }
 
 /// Style, body, data and script in one file.
@@ -51,5 +55,11 @@ mod tests {
         let page = shell("<a>", "", "", &json!({ "text": "</script><!--" }));
         assert_eq!(page.matches("</script>").count(), 2);
         assert!(page.contains("&lt;a&gt;"));
+        for dimension in [2, 3] {
+            let page = super::page("run", &json!({ "dimension": dimension }));
+            println!("{dimension}: {} bytes", page.len());
+            assert_eq!(page.matches("</script").count(), 2);
+            assert_eq!(page.contains("WebGLRenderer"), dimension == 3);
+        }
     }
 }

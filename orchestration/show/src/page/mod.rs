@@ -1,6 +1,6 @@
 //! The page of a run.
 //!
-//! `document` is what it shows, with `states` from the ParaView files as `encode` packs them; `html`
+//! `document` is what it shows, with `states` from the ParaView files as `encode` packs them, fields on a `surface`; `html`
 //! puts it into one file, which `report` writes and `view` serves.
 
 mod document;
@@ -8,6 +8,7 @@ mod encode;
 mod html;
 mod report;
 mod states;
+mod surface;
 mod view;
 
 pub use document::STUDY_FILE;

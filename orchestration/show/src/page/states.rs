@@ -2,13 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::plane::{Triangles, bounds, grain_bounds};
+use crate::cut::level;
+use crate::simplices::{Point, bounds, central, grain_bounds, length};
 use run::vtu::read::{self, State};
 use scene::Error;
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::document::dimension;
 use super::encode::{Shares, shares, singles, words};
+use super::surface::{self, Drawn, Surface};
 
 /// One state.
 #[derive(Debug, Clone, Serialize)]
@@ -29,32 +32,15 @@ pub struct Frame {
     pub grain_id: Option<String>,
 }
 
-/// A mesh as the page takes it.
-#[derive(Debug, Clone, Serialize)]
-pub struct Drawn {
-    /// Places \[m\], in single precision.
-    points: String,
-    /// Corners of the triangles.
-    triangles: String,
-}
-
-impl Drawn {
-    fn of(mesh: &Triangles) -> Drawn {
-        Drawn {
-            points: singles(mesh.points.iter().flatten().copied()),
-            triangles: words(mesh.triangles.iter().flatten().copied()),
-        }
-    }
-}
-
 /// Reads the states of a run folder, also of one that is still being written.
 pub struct Reader {
     folder: PathBuf,
-    mesh: Option<Triangles>,
+    dimension: usize,
+    surface: Option<Surface>,
     /// What stays: mesh, outlines, radii, window.
     pub stage: Value,
     density: f64,
-    gravity: [f64; 2],
+    gravity: [f64; 3],
     open: bool,
     /// Does the mesh follow the grains?
     follows: bool,
@@ -81,10 +67,11 @@ impl Reader {
         });
         Reader {
             folder: folder.to_path_buf(),
-            mesh: None,
+            dimension: dimension(scene),
+            surface: None,
             stage: Value::Null,
             density: number(&fluid["density"]),
-            gravity: [0, 1].map(|axis| number(&scene["gravity"][axis])),
+            gravity: [0, 1, 2].map(|axis| number(&scene["gravity"][axis])),
             open,
             follows: !scene["near_grains"].is_null() || !scene["indicator"].is_null(),
         }
@@ -122,54 +109,59 @@ impl Reader {
         if self.stage.is_null() {
             self.set_stage(fluid.as_ref(), grains.as_ref(), walls)?;
         }
-        let mesh = match &fluid {
-            Some(state) if self.follows => Triangles::of_state(state)?,
+        let surface = match (&fluid, &self.surface) {
+            (Some(state), Some(last)) if self.follows => last.again(state)?,
             _ => None,
         };
         let mut frame = Frame {
             time: entry.time,
-            mesh: mesh.as_ref().map(Drawn::of),
+            mesh: surface.as_ref().map(Surface::drawn),
             fields: Default::default(),
             usual: Default::default(),
             position: None,
             grain_speed: None,
             grain_id: None,
         };
-        self.mesh = mesh.or(self.mesh.take());
-        if let (Some(state), Some(mesh)) = (&fluid, &self.mesh) {
-            for (name, values) in self.fields(state, mesh)? {
-                if values.len() == mesh.points.len() {
+        self.surface = surface.or(self.surface.take());
+        if let (Some(state), Some(surface)) = (&fluid, &self.surface) {
+            for (name, values) in self.fields(state, surface)? {
+                if let Some(values) = surface.at(values) {
                     frame.usual.insert(name, usual(&values));
                     frame.fields.insert(name, shares(&values));
                 }
             }
         }
         if let Some(state) = &grains {
-            let position = state.vectors::<2>("position")?.unwrap_or_default();
-            frame.position = Some(singles(position.into_iter().flatten()));
+            let position = state.vectors::<3>("position")?.unwrap_or_default();
+            frame.position = Some(self.singles(position.iter()));
             let id = state.numbers("grain_id")?;
             frame.grain_id = id.map(|id| words(id.into_iter().map(|id| id as u32)));
             frame.grain_speed = state
-                .vectors::<2>("grain_velocity")?
-                .map(|v| shares(&v.iter().map(|v| v[0].hypot(v[1])).collect::<Vec<_>>()));
+                .vectors::<3>("grain_velocity")?
+                .map(|v| shares(&v.iter().map(|v| length(*v)).collect::<Vec<_>>()));
         }
         Ok(frame)
     }
 
+    /// Of points, as many numbers as the scene has dimensions.
+    fn singles<'a>(&self, points: impl Iterator<Item = &'a Point<3>>) -> String {
+        singles(points.flat_map(|point| point[..self.dimension].iter().copied()))
+    }
+
+    /// Fields at the points of the mesh.
     fn fields(
         &self,
         state: &State,
-        mesh: &Triangles,
+        surface: &Surface,
     ) -> Result<Vec<(&'static str, Vec<f64>)>, Error> {
         let mut fields = Vec::new();
-        if let Some(velocity) = state.vectors::<2>("interstitial_velocity")? {
-            fields.push(("speed", velocity.iter().map(|v| v[0].hypot(v[1])).collect()));
-            if velocity.len() == mesh.points.len() {
-                fields.push(("vorticity", vorticity(mesh, &velocity)));
-            }
+        if let Some(velocity) = state.vectors::<3>("interstitial_velocity")? {
+            fields.push(("speed", velocity.iter().map(|v| length(*v)).collect()));
+            fields.extend(surface.vorticity(&velocity).map(|curl| ("vorticity", curl)));
         }
         if let Some(pressure) = state.numbers("pressure")? {
-            fields.push(("pressure", self.excess(mesh, pressure)));
+            let points = state.vectors::<3>("position")?.unwrap_or_default();
+            fields.push(("pressure", self.excess(&points, pressure)));
         }
         if let Some(porosity) = state.numbers("porosity")? {
             fields.push(("porosity", porosity));
@@ -178,15 +170,16 @@ impl Reader {
     }
 
     /// p − ρ g·x, which is what moves the fluid; where no boundary is open, about its mean.
-    fn excess(&self, mesh: &Triangles, mut pressure: Vec<f64>) -> Vec<f64> {
-        for (p, x) in pressure.iter_mut().zip(&mesh.points) {
-            *p -= self.density * (self.gravity[0] * x[0] + self.gravity[1] * x[1]);
+    fn excess(&self, points: &[Point<3>], mut pressure: Vec<f64>) -> Vec<f64> {
+        let fall =
+            |x: &Point<3>| self.gravity[0] * x[0] + self.gravity[1] * x[1] + self.gravity[2] * x[2];
+        for (p, x) in pressure.iter_mut().zip(points) {
+            *p -= self.density * fall(x);
         }
         let level = if self.open {
             // Given at the highest point.
-            let up = |x: &[f64; 2]| -(self.gravity[0] * x[0] + self.gravity[1] * x[1]);
-            let top = (0..mesh.points.len().min(pressure.len()))
-                .max_by(|&a, &b| up(&mesh.points[a]).total_cmp(&up(&mesh.points[b])));
+            let top = (0..points.len().min(pressure.len()))
+                .max_by(|&a, &b| (-fall(&points[a])).total_cmp(&-fall(&points[b])));
             top.map_or(0.0, |top| pressure[top])
         } else {
             pressure.iter().sum::<f64>() / pressure.len().max(1) as f64
@@ -201,65 +194,47 @@ impl Reader {
         grains: Option<&State>,
         walls: &Value,
     ) -> Result<(), Error> {
-        if let Some(state) = fluid {
-            self.mesh = Triangles::of_state(state)?;
-        }
-        let mut outline: Vec<[[f64; 2]; 2]> = Vec::new();
-        for wall in walls.as_array().into_iter().flatten() {
-            let end = |name: &str| [0, 1].map(|axis| wall[name][axis].as_f64().unwrap_or(0.0));
-            outline.push([end("a"), end("b")]);
-        }
+        let walls = walls.as_array().into_iter().flatten();
+        let walls: Vec<Vec<Point<3>>> = walls.map(corners).collect();
         let positions = match grains {
-            Some(state) => state.vectors::<2>("position")?.unwrap_or_default(),
+            Some(state) => state.vectors::<3>("position")?.unwrap_or_default(),
             None => Vec::new(),
         };
         let radius = match grains {
             Some(state) => state.numbers("grain_radius")?.unwrap_or_default(),
             None => Vec::new(),
         };
-        let window = match &self.mesh {
-            Some(mesh) => mesh.bounds(),
-            None if outline.is_empty() => grain_bounds(positions.iter().copied(), &radius),
-            None => bounds(outline.iter().flatten().chain(&positions).copied()),
+        let nodes = match fluid {
+            Some(state) => state.vectors::<3>("position")?.unwrap_or_default(),
+            None => Vec::new(),
         };
-        if let Some(mesh) = &self.mesh {
-            let at = |point: u32| mesh.points[point as usize];
-            outline.extend(mesh.boundary().iter().map(|[a, b]| [at(*a), at(*b)]));
+        let window = match (nodes.is_empty(), walls.is_empty()) {
+            (false, _) => bounds(nodes.into_iter()),
+            (true, true) => grain_bounds(positions.iter().copied(), &radius),
+            (true, false) => bounds(walls.iter().flatten().chain(&positions).copied()),
+        };
+        if let Some(state) = fluid {
+            let middle = central(positions.iter().map(|position| position[2]).collect());
+            let level = level(middle, (window.0[2], window.1[2]));
+            self.surface = Surface::of_state(state, self.dimension, level)?;
         }
+        let outline = surface::outline(self.surface.as_ref(), &walls, window, self.dimension);
+        let corner = |corner: Point<3>| corner[..self.dimension].to_vec();
         self.stage = json!({
-            "window": [window.0, window.1],
-            "outline": singles(outline.into_iter().flatten().flatten()),
+            "window": [corner(window.0), corner(window.1)],
+            "outline": self.singles(outline.iter().flatten()),
             "radius": singles(radius.into_iter()),
-            "mesh": self.mesh.as_ref().map(Drawn::of),
+            "mesh": self.surface.as_ref().map(Surface::drawn),
         });
         Ok(())
     }
 }
 
-/// ∂v/∂x − ∂u/∂y at the points: the gradient of each triangle, averaged by area.
-fn vorticity(mesh: &Triangles, velocity: &[[f64; 2]]) -> Vec<f64> {
-    let mut sum = vec![0.0; mesh.points.len()];
-    let mut area = vec![0.0; mesh.points.len()];
-    for corners in &mesh.triangles {
-        let [a, b, c] = corners.map(|corner| corner as usize);
-        let [pa, pb, pc] = [a, b, c].map(|point| mesh.points[point]);
-        let (ux, uy) = (pb[0] - pa[0], pb[1] - pa[1]);
-        let (vx, vy) = (pc[0] - pa[0], pc[1] - pa[1]);
-        let twice = ux * vy - uy * vx;
-        let [va, vb, vc] = [a, b, c].map(|point| velocity[point]);
-        let (d1, d2) = (
-            [vb[0] - va[0], vb[1] - va[1]],
-            [vc[0] - va[0], vc[1] - va[1]],
-        );
-        // Twice the area times ∂v/∂x − ∂u/∂y.
-        let curl = (d1[1] * vy - d2[1] * uy) - (ux * d2[0] - vx * d1[0]);
-        for point in [a, b, c] {
-            sum[point] += curl;
-            area[point] += twice;
-        }
-    }
-    let mean = |(sum, area): (f64, f64)| if area == 0.0 { 0.0 } else { sum / area };
-    sum.into_iter().zip(area).map(mean).collect()
+/// Corners of a wall, with zeros for what they lack.
+fn corners(wall: &Value) -> Vec<Point<3>> {
+    let corner = |corner: &Value| [0, 1, 2].map(|axis| corner[axis].as_f64().unwrap_or(0.0));
+    let corners = wall["corners"].as_array().into_iter().flatten();
+    corners.map(corner).collect()
 }
 
 fn usual(values: &[f64]) -> [f64; 2] {
@@ -269,27 +244,4 @@ fn usual(values: &[f64]) -> [f64; 2] {
         return [0.0, 0.0];
     };
     [0.002, 0.998].map(|share| sorted[(share * last as f64).round() as usize])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_vorticity_of_a_rotation_is_twice_its_rate() {
-        let points = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 1.0]];
-        let velocity: Vec<[f64; 2]> = points
-            .iter()
-            .map(|x: &[f64; 2]| [-3.0 * x[1], 3.0 * x[0]])
-            .collect();
-        let mesh = Triangles {
-            node_of: vec![0, 1, 2, 3],
-            node_count: 4,
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-            points,
-        };
-        let found = vorticity(&mesh, &velocity);
-        println!("{found:?}");
-        assert!(found.iter().all(|curl| (curl - 6.0).abs() < 1e-12));
-    }
 }

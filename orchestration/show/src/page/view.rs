@@ -135,7 +135,10 @@ impl View {
             .map_or("run".into(), |name| name.to_string_lossy());
         Ok(answer(
             "text/html; charset=utf-8",
-            page(&title, &json!({ "live": true })),
+            page(
+                &title,
+                &json!({ "live": true, "dimension": head(&self.folder)?["dimension"] }),
+            ),
         ))
     }
 

@@ -1,8 +1,7 @@
-//! Units, ticks, axes, the scale bar and the colour bar.
+//! Units, ticks, labels and the colour bar.
 
 use super::canvas::{Anchor, Canvas};
 use super::colour::{self, INK, Rgb};
-use super::view::View;
 
 /// Size of numbers and labels \[pixels\].
 pub const TEXT: f64 = 22.0;
@@ -93,49 +92,16 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// Axes with ticks along the left and the lower edge of a view.
-pub fn axes(canvas: &mut Canvas, view: &View, unit: Unit) {
-    view.outline(canvas, 1.5, INK);
-    let ([left, low], [right, high]) = (view.lower, view.upper);
-    // Few enough that the numbers of a narrow picture do not touch.
-    let across = ticks(
-        left / unit.size,
-        right / unit.size,
-        (view.width() / 75.0).clamp(2.0, 9.0),
-    );
-    for x in across {
-        let at = view.place([x * unit.size, low]);
-        canvas.line(at, [at[0], at[1] + 7.0], 1.5, INK);
-        canvas.text(&number(x), [at[0], at[1] + 11.0], TEXT, Anchor::Below);
+/// "t = 0.055 s", or in ms when the time is short.
+pub fn time_label(time: f64) -> String {
+    if time > 0.0 && time < 0.01 {
+        return format!("t = {:.3} ms", 1e3 * time);
     }
-    for y in ticks(
-        low / unit.size,
-        high / unit.size,
-        (view.height() / 60.0).clamp(1.0, 9.0),
-    ) {
-        let at = view.place([left, y * unit.size]);
-        canvas.line(at, [at[0] - 7.0, at[1]], 1.5, INK);
-        canvas.text(&number(y), [at[0] - 11.0, at[1]], TEXT, Anchor::Right);
-    }
-    let middle = 0.5 * (view.left + view.right());
-    canvas.text(
-        &format!("x [{}]", unit.name),
-        [middle, view.bottom() + 38.0],
-        TEXT,
-        Anchor::Below,
-    );
-    let middle = 0.5 * (view.top + view.bottom());
-    canvas.text(
-        &format!("y [{}]", unit.name),
-        [view.left - 78.0, middle],
-        TEXT,
-        Anchor::Upright,
-    );
+    format!("t = {time:.3} s")
 }
 
-/// A bar of a round length under a view, where it hides nothing; it ends at the view's right edge.
-pub fn scale_bar(canvas: &mut Canvas, view: &View) {
-    let extent = view.upper[0] - view.lower[0];
+/// A round length for a scale bar beside a window of this extent \[m\], and its label.
+pub fn scale_length(extent: f64) -> (f64, String) {
     let unit = length_unit(extent);
     let decade = 10f64.powf((extent / unit.size).log10().floor());
     let length = [5.0, 2.0, 1.0, 0.5, 0.2, 0.1]
@@ -143,11 +109,8 @@ pub fn scale_bar(canvas: &mut Canvas, view: &View) {
         .map(|step| step * decade)
         .find(|length| *length * unit.size <= 0.3 * extent)
         .unwrap_or(0.1 * decade);
-    let pixels = length * unit.size * view.scale;
-    let (right, level) = (view.right() - 2.0, view.bottom() + 84.0);
-    canvas.line([right - pixels, level], [right, level], 4.0, INK);
     let label = format!("{} {}", number(length), unit.name);
-    canvas.text(&label, [right - pixels - 12.0, level], TEXT, Anchor::Right);
+    (length * unit.size, label)
 }
 
 /// What colours mean: a map, its largest speed, its name.

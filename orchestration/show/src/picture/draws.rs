@@ -15,63 +15,50 @@ use run::vtu::write::Entries;
 use scene::{Error, Scene};
 use serde::{Deserialize, Serialize};
 
+use super::album::{Album, Shown};
 use super::axes::round_up;
-use super::frame::frame;
-use super::overview::{Album, Shown, overview};
+use super::depict::Depict;
 use super::state::{Stage, State};
-use crate::plane::{Point, Triangles};
+use crate::simplices::{Point, Simplices, chunks};
 
-/// A wall of the plane, where pictures are; none of another dimension.
-fn segment(wall: &Wall) -> Option<[[f64; 2]; 2]> {
-    match &wall.corners[..] {
-        [a, b] => Some([fixed(a).ok()?, fixed(b).ok()?]),
-        _ => None,
+/// What draws a scene into its run folder.
+pub fn pictures(scene: &Scene, folder: &Path) -> Box<dyn Draw> {
+    match scene.dimension() {
+        3 => Box::new(Drawing::<3, 4>::new(scene, folder)),
+        _ => Box::new(Drawing::<2, 3>::new(scene, folder)),
     }
 }
 
-/// What draws a scene into its run folder; there are pictures of the plane only.
-pub fn pictures(scene: &Scene, folder: &Path) -> Box<dyn Draw> {
-    let walls = scene
-        .coupler
-        .particles
-        .iter()
-        .flat_map(|particles| &particles.walls);
-    Box::new(Drawing {
-        folder: folder.to_path_buf(),
-        wanted: scene.output.frames && scene.dimension() == 2,
-        name: scene.name.clone(),
-        walls: walls.filter_map(segment).collect(),
-        grain_fixed: scene.grains.fixed.clone(),
-        stage: None,
-        album: Album::default(),
-        speed_max: 0.0,
-        frames: 0,
-        mesh: None,
-        moves: false,
-        kept: None,
-    })
+/// A wall by its corners; none of another dimension.
+fn facet<const D: usize>(wall: &Wall) -> Option<[Point<D>; D]> {
+    let corners = wall.corners.iter().map(|corner| fixed(corner).ok());
+    let corners: Vec<Point<D>> = corners.collect::<Option<_>>()?;
+    corners.try_into().ok()
 }
 
-struct Drawing {
+struct Drawing<const D: usize, const N: usize> {
     folder: PathBuf,
     wanted: bool,
     name: String,
-    walls: Vec<[Point; 2]>,
+    walls: Vec<[Point<D>; D]>,
     grain_fixed: Vec<bool>,
-    stage: Option<Stage>,
-    album: Album,
+    stage: Option<Stage<D, N>>,
+    album: Album<D, N>,
     /// Speed of the deepest colour \[m/s\].
     speed_max: f64,
     frames: usize,
     /// The mesh since it followed the grains for the last time; none: that of the stage.
-    mesh: Option<Arc<Triangles>>,
+    mesh: Option<Arc<Simplices<D, N>>>,
     /// Did it before this run was resumed?
     moves: bool,
     /// Of a run that goes on, until it does.
     kept: Option<Kept>,
 }
 
-impl Draw for Drawing {
+impl<const D: usize, const N: usize> Draw for Drawing<D, N>
+where
+    Stage<D, N>: Depict<D, N>,
+{
     fn take(&mut self, event: &Event, disk: &Disk) -> Result<(), Error> {
         if !self.wanted {
             return Ok(());
@@ -79,8 +66,8 @@ impl Draw for Drawing {
         match &event.message {
             ToOrchestrator::Started { .. } => return self.set_stage(&event.fields),
             ToOrchestrator::Mesh { .. } => {
-                let mesh = Mesh::from_fields(2, &event.fields);
-                self.mesh = mesh.and_then(Triangles::of).map(Arc::new);
+                let mesh = Mesh::from_fields(D, &event.fields);
+                self.mesh = mesh.and_then(Simplices::of).map(Arc::new);
             }
             ToOrchestrator::Snapshot { time, .. } => {
                 let mesh = self.mesh.clone();
@@ -101,8 +88,17 @@ impl Draw for Drawing {
         let kept = Kept {
             speed_max: self.speed_max,
             frames: self.frames,
-            outlines: stage.map(|stage| stage.outlines.clone()),
-            window: self.stage.as_ref().map(|stage| stage.window),
+            outlines: stage.map(|stage| {
+                stage
+                    .outlines
+                    .iter()
+                    .map(|ends| ends.map(Vec::from))
+                    .collect()
+            }),
+            window: self
+                .stage
+                .as_ref()
+                .map(|stage| (stage.window.0.into(), stage.window.1.into())),
             shown: self.album.shown(),
         };
         serde_json::to_string(&kept).unwrap_or_default()
@@ -122,7 +118,7 @@ impl Draw for Drawing {
         let Some(stage) = &self.stage else {
             return Ok(());
         };
-        match overview(stage, &self.album.states()) {
+        match stage.overview(&self.album.states()) {
             Some(picture) => {
                 let path = self.folder.join("overview.png");
                 disk.write(&path, picture.png(&path)?)
@@ -137,13 +133,40 @@ impl Draw for Drawing {
 struct Kept {
     speed_max: f64,
     frames: usize,
-    window: Option<([f64; 2], [f64; 2])>,
+    window: Option<(Vec<f64>, Vec<f64>)>,
     /// Those of the first mesh, where it has followed the grains since.
-    outlines: Option<Vec<[Point; 2]>>,
+    outlines: Option<Vec<[Vec<f64>; 2]>>,
     shown: Shown,
 }
 
-impl Drawing {
+/// A point that was kept.
+fn point<const D: usize>(numbers: &[f64]) -> Option<Point<D>> {
+    numbers.try_into().ok()
+}
+
+impl<const D: usize, const N: usize> Drawing<D, N>
+where
+    Stage<D, N>: Depict<D, N>,
+{
+    fn new(scene: &Scene, folder: &Path) -> Self {
+        let walls = scene.coupler.particles.iter();
+        let walls = walls.flat_map(|particles| &particles.walls);
+        Drawing {
+            folder: folder.to_path_buf(),
+            wanted: scene.output.frames && scene.dimension() == D,
+            name: scene.name.clone(),
+            walls: walls.filter_map(facet).collect(),
+            grain_fixed: scene.grains.fixed.clone(),
+            stage: None,
+            album: Album::default(),
+            speed_max: 0.0,
+            frames: 0,
+            mesh: None,
+            moves: false,
+            kept: None,
+        }
+    }
+
     /// Frames that were drawn after the checkpoint go.
     fn forget_frames(&self) -> Result<(), Error> {
         let entries = std::fs::read_dir(self.folder.join("frames"))
@@ -161,15 +184,16 @@ impl Drawing {
     }
 
     fn set_stage(&mut self, fields: &[(Field, Vec<f64>)]) -> Result<(), Error> {
-        let mesh = Mesh::from_fields(2, fields);
+        let mesh = Mesh::from_fields(D, fields);
         let nodes = mesh.as_ref().map_or(0, |mesh| mesh.node_count);
         let mut stage = Stage::new(
             &self.name,
-            mesh.and_then(Triangles::of),
+            mesh.and_then(Simplices::of),
             &self.walls,
             values(fields, Field::GrainRadius).to_vec(),
             self.grain_fixed.clone(),
         );
+        stage.outlines = Stage::outlines(stage.mesh.as_ref(), &self.walls);
         if let Some(kept) = self.kept.take() {
             let Kept {
                 window,
@@ -177,9 +201,16 @@ impl Drawing {
                 outlines,
                 ..
             } = kept;
-            stage.window = window.unwrap_or(stage.window);
+            if let Some((low, high)) = window
+                && let (Some(low), Some(high)) = (point(&low), point(&high))
+            {
+                stage.window = (low, high);
+            }
             self.moves = outlines.is_some();
-            stage.outlines = outlines.unwrap_or(stage.outlines);
+            if let Some(outlines) = outlines {
+                let ends = |[a, b]: &[Vec<f64>; 2]| Some([point(a)?, point(b)?]);
+                stage.outlines = outlines.iter().filter_map(ends).collect();
+            }
             let nodes = (!self.moves).then_some(nodes);
             let lists = ["fluid.pvd", "grains.pvd"].map(|list| vtu::list(&self.folder.join(list)));
             let [fluid, grains] = lists;
@@ -191,14 +222,14 @@ impl Drawing {
         Ok(())
     }
 
-    fn frame(&mut self, state: State, disk: &Disk) -> Result<(), Error> {
+    fn frame(&mut self, state: State<D, N>, disk: &Disk) -> Result<(), Error> {
         let Some(stage) = &mut self.stage else {
             return Ok(());
         };
         stage.widen(&state);
         // The scale only grows, in round steps, so that successive pictures can be compared.
         self.speed_max = self.speed_max.max(round_up(state.speed_max()));
-        let picture = frame(stage, &state, self.speed_max);
+        let picture = stage.frame(&state, self.speed_max);
         let number = self.frames;
         let path = self.folder.join(format!("frames/{number:04}.png"));
         disk.write(&path, picture.png(&path)?)?;
@@ -210,29 +241,29 @@ impl Drawing {
 
 /// A state as it was put out, on so many nodes: the first points of its file; none: on a mesh of its own. What that
 /// lacks is not drawn.
-fn kept_state(
+fn kept_state<const D: usize, const N: usize>(
     folder: &Path,
     [fluid, grains]: &[Entries; 2],
     nodes: Option<usize>,
     number: usize,
-) -> Result<State, Error> {
+) -> Result<State<D, N>, Error> {
     let read = |list: &Entries| -> Result<Option<(f64, vtu::State)>, Error> {
         let Some((time, file)) = list.get(number) else {
             return Ok(None);
         };
         Ok(Some((*time, vtu::State::read(&folder.join(file))?)))
     };
-    let single = |pair: [f64; 2]| pair.map(|component| component as f32);
+    let single = |vector: Point<D>| vector.map(|component| component as f32);
     let mut state = State::default();
     if let Some((time, fluid)) = read(fluid)? {
         state.time = time;
         let mesh = match nodes {
             Some(_) => None,
-            None => Triangles::of_state(&fluid)?,
+            None => Simplices::of_state(&fluid)?,
         };
         let own = mesh.as_ref().map(|mesh| mesh.node_count);
         state.mesh = mesh.map(Arc::new);
-        let velocity = fluid.vectors::<2>(Field::InterstitialVelocity.name())?;
+        let velocity = fluid.vectors::<D>(Field::InterstitialVelocity.name())?;
         let velocity = velocity.unwrap_or_default().into_iter();
         state.fluid_velocity = velocity
             .take(nodes.or(own).unwrap_or(0))
@@ -241,11 +272,11 @@ fn kept_state(
     }
     if let Some((time, grains)) = read(grains)? {
         state.time = time;
-        let position = grains.vectors::<2>("position")?.unwrap_or_default();
+        let position = grains.vectors::<D>("position")?.unwrap_or_default();
         state.grain_position = position.into_iter().map(single).collect();
-        let velocity = grains.vectors::<2>(Field::GrainVelocity.name())?;
+        let velocity = grains.vectors::<D>(Field::GrainVelocity.name())?;
         let speeds = velocity.unwrap_or_default().into_iter().map(single);
-        state.grain_speed = speeds.map(|v| v[0].hypot(v[1])).collect();
+        state.grain_speed = speeds.map(speed).collect();
         let id = grains.numbers(Field::GrainId.name())?.unwrap_or_default();
         state.grain_id = id.into_iter().map(|id| id as u32).collect();
     }
@@ -258,28 +289,25 @@ fn values(fields: &[(Field, Vec<f64>)], wanted: Field) -> &[f64] {
     found.map_or(&[], |(_, values)| values.as_slice())
 }
 
+/// Length of a velocity, as exact as it is kept.
+fn speed<const D: usize>(velocity: [f32; D]) -> f32 {
+    velocity.into_iter().fold(0.0, f32::hypot)
+}
+
 /// What pictures need of a snapshot.
-fn state(time: f64, fields: &[(Field, Vec<f64>)]) -> State {
-    let pairs = |wanted: Field| -> Vec<[f32; 2]> {
-        let values = values(fields, wanted);
-        values
-            .chunks_exact(2)
-            .map(|pair| [pair[0] as f32, pair[1] as f32])
-            .collect()
+fn state<const D: usize, const N: usize>(time: f64, fields: &[(Field, Vec<f64>)]) -> State<D, N> {
+    let vectors = |wanted: Field| -> Vec<[f32; D]> {
+        let vectors = chunks::<f64, D>(values(fields, wanted)).into_iter();
+        vectors.map(|v| v.map(|x| x as f32)).collect()
     };
-    let speeds = pairs(Field::GrainVelocity)
-        .iter()
-        .map(|v| v[0].hypot(v[1]))
-        .collect();
+    let speeds = vectors(Field::GrainVelocity).into_iter().map(speed);
+    let id = values(fields, Field::GrainId).iter().map(|&id| id as u32);
     State {
         time,
         mesh: None,
-        fluid_velocity: pairs(Field::InterstitialVelocity),
-        grain_position: pairs(Field::GrainPosition),
-        grain_speed: speeds,
-        grain_id: values(fields, Field::GrainId)
-            .iter()
-            .map(|&id| id as u32)
-            .collect(),
+        fluid_velocity: vectors(Field::InterstitialVelocity),
+        grain_position: vectors(Field::GrainPosition),
+        grain_speed: speeds.collect(),
+        grain_id: id.collect(),
     }
 }

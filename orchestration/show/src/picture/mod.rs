@@ -1,15 +1,18 @@
 //! Pictures: grains over the speed of the fluid, with axes, scale and colours explained.
 //!
-//! `draws` follows a run and makes them: a `frame` a state, an `overview` at the end. Both look
-//! through a `view` of the plane at a `state`, and draw on a `canvas` with `axes` and `colour`.
+//! `draws` follows a run and makes them: a frame a state, a contact sheet of those that the `album` kept at
+//! the end. What a `state` looks like on its stage is told by `plane` and by `space`, which `depict` chooses
+//! from. All draw on a `canvas` with `axes` and `colour`, several states as a `sheet`.
 
+mod album;
 pub mod axes;
 pub mod canvas;
 pub mod colour;
+mod depict;
 mod draws;
-pub mod frame;
-pub mod overview;
-pub mod state;
-pub mod view;
+mod plane;
+mod sheet;
+mod space;
+mod state;
 
 pub use draws::pictures;

@@ -1,8 +1,9 @@
 //! A window of the plane on a rectangle of the paper, and what is drawn through it.
 
-use super::canvas::Canvas;
-use super::colour::{self, FIXED_GRAIN, GRAIN, INK, Rgb};
-use super::state::{Stage, State};
+use super::{Stage, State};
+use crate::picture::canvas::Canvas;
+use crate::picture::colour::{self, INK, Rgb};
+use crate::simplices::clip;
 
 /// Where a window of the plane lies on the paper.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,12 +83,9 @@ impl View {
 
     /// Every pixel inside a triangle gets the speed of the velocity interpolated to its centre.
     fn draw_speed(&self, canvas: &mut Canvas, stage: &Stage, state: &State, speed_max: f64) {
-        let Some(mesh) = state.mesh.as_deref().or(stage.mesh.as_ref()) else {
+        let Some((mesh, nodal)) = state.flow(stage) else {
             return;
         };
-        if state.fluid_velocity.len() != mesh.node_count {
-            return;
-        }
         let shares: Vec<Rgb> = (0..=1023)
             .map(|i| colour::fluid(f64::from(i) / 1023.0))
             .collect();
@@ -96,11 +94,11 @@ impl View {
         } else {
             0.0
         };
-        for triangle in &mesh.triangles {
+        for triangle in &mesh.simplices {
             let corners = triangle.map(|point| self.place(mesh.points[point as usize]));
             let velocity = triangle.map(|point| {
                 let node = mesh.node_of[point as usize] as usize;
-                state.fluid_velocity[node].map(f64::from)
+                nodal[node].map(f64::from)
             });
             self.each_pixel(corners, |x, y, weights| {
                 let along =
@@ -142,22 +140,9 @@ impl View {
         let window = [[self.left, self.top], [self.right(), self.bottom()]];
         for (index, position) in state.grain_position.iter().enumerate() {
             let centre = self.place(position.map(f64::from));
-            let id = state.id(index);
-            let fixed = stage.grain_fixed.get(id).copied().unwrap_or(false);
-            let colour = match (fixed, &stage.mesh) {
-                (true, _) => FIXED_GRAIN,
-                (false, Some(_)) => GRAIN,
-                (false, None) => {
-                    let speed = state.grain_speed.get(index).copied().map_or(0.0, f64::from);
-                    colour::dry(if speed_max > 0.0 {
-                        speed / speed_max
-                    } else {
-                        0.0
-                    })
-                }
-            };
+            let colour = stage.grain_colour(state, index, speed_max);
             // Touching grains stay apart to the eye.
-            let pixels = stage.radius(id) * self.scale;
+            let pixels = stage.radius(state.id(index)) * self.scale;
             canvas.disk(
                 centre,
                 if pixels > 3.0 { pixels - 0.4 } else { pixels },
@@ -166,33 +151,4 @@ impl View {
             );
         }
     }
-}
-
-/// The part of a segment inside a rectangle (Liang and Barsky).
-fn clip(
-    a: [f64; 2],
-    b: [f64; 2],
-    lower: [f64; 2],
-    upper: [f64; 2],
-) -> Option<([f64; 2], [f64; 2])> {
-    let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-    for axis in 0..2 {
-        let step = b[axis] - a[axis];
-        for (direction, room) in [
-            (-step, a[axis] - lower[axis]),
-            (step, upper[axis] - a[axis]),
-        ] {
-            if direction == 0.0 {
-                if room < -1e-12 * (upper[axis] - lower[axis]) {
-                    return None;
-                }
-            } else if direction < 0.0 {
-                enter = enter.max(room / direction);
-            } else {
-                leave = leave.min(room / direction);
-            }
-        }
-    }
-    let at = |share: f64| [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
-    (enter <= leave).then(|| (at(enter), at(leave)))
 }

@@ -1,11 +1,11 @@
 //! One picture of one state: the whole domain, and beside it the grains from near when they take
 //! a small part of it.
 
-use super::axes::{self, ColourBar, TEXT, length_unit, round_up};
-use super::canvas::{Anchor, Canvas};
-use super::colour::{GREY, INK};
-use super::state::{Stage, State};
 use super::view::View;
+use super::{Stage, State, axes};
+use crate::picture::axes::{ColourBar, TEXT, length_unit, round_up, time_label};
+use crate::picture::canvas::{Anchor, Canvas};
+use crate::picture::colour::{GREY, INK};
 
 const TITLE: f64 = 70.0;
 const LEFT: f64 = 104.0;
@@ -62,14 +62,6 @@ pub fn frame(stage: &Stage, state: &State, speed_max: f64) -> Canvas {
     canvas
 }
 
-/// "t = 0.055 s", or in ms when the time is short.
-pub fn time_label(time: f64) -> String {
-    if time > 0.0 && time < 0.01 {
-        return format!("t = {:.3} ms", 1e3 * time);
-    }
-    format!("t = {time:.3} s")
-}
-
 /// The rectangle of the near view in the whole one, and what connects them.
 fn mark(canvas: &mut Canvas, whole: &View, near: &View) {
     let corner = |x: f64, y: f64| {
@@ -95,15 +87,11 @@ fn mark(canvas: &mut Canvas, whole: &View, near: &View) {
 
 /// A square around the grains, when it shows them at least twice as large.
 fn near_window(stage: &Stage, state: &State) -> Option<([f64; 2], [f64; 2])> {
-    if state.grain_position.is_empty() {
-        return None;
-    }
-    let (low, high) = central_bounds(state);
+    let (low, high) = state.central_bounds()?;
     let (lower, upper) = stage.window;
     let extent = (high[0] - low[0]).max(high[1] - low[1]);
-    let radius = stage.grain_radius.iter().copied().fold(0.0, f64::max);
     // Round sizes change seldom, so that successive pictures can be compared.
-    let side = round_up((1.4 * extent).max(40.0 * radius));
+    let side = round_up((1.4 * extent).max(40.0 * stage.widest()));
     if side > 0.5 * (upper[1] - lower[1]) || side > upper[0] - lower[0] {
         return None;
     }
@@ -112,22 +100,4 @@ fn near_window(stage: &Stage, state: &State) -> Option<([f64; 2], [f64; 2])> {
         start.clamp(lower[axis], upper[axis] - side)
     });
     Some((start, start.map(|x| x + side)))
-}
-
-/// Bounds of the grains without the outermost percent, which a long tail would stretch.
-fn central_bounds(state: &State) -> ([f64; 2], [f64; 2]) {
-    let mut low = [0.0; 2];
-    let mut high = [0.0; 2];
-    for axis in 0..2 {
-        let mut along: Vec<f64> = state
-            .grain_position
-            .iter()
-            .map(|position| f64::from(position[axis]))
-            .collect();
-        along.sort_by(f64::total_cmp);
-        let skipped = along.len() / 100;
-        low[axis] = along[skipped];
-        high[axis] = along[along.len() - 1 - skipped];
-    }
-    (low, high)
 }
