@@ -20,7 +20,7 @@ pub mod creeping;
 pub mod drive;
 pub mod element;
 mod held;
-mod kernel;
+pub(crate) mod kernel;
 pub mod manufactured;
 pub mod momentum;
 pub mod open;

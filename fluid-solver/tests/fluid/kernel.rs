@@ -2,6 +2,7 @@
 
 use fluid_solver::boundary::{Condition, Constraints};
 use fluid_solver::cost::cpu_seconds;
+use fluid_solver::diagnostics::solved::Solved;
 use fluid_solver::equations::assembly::Assembly;
 use fluid_solver::equations::{Carrier, Coefficients, ViscousForm};
 use fluid_solver::linear::System;
@@ -143,6 +144,49 @@ where
     }
 }
 
+/// The terms of the energy identity in any solution, quickly or one by one, and the sum of their magnitudes.
+fn powers<const D: usize, const N: usize>(
+    assembly: &Assembly<'_, D, N>,
+    count: usize,
+) -> ([f64; 6], f64)
+where
+    Dim<D>: Dimension<D>,
+{
+    let mut random = Random(23);
+    let unknowns: Vec<f64> = (0..N * count).map(|_| random.between(-0.1, 0.1)).collect();
+    let velocity: Vec<Vector<D>> = unknowns
+        .chunks_exact(N)
+        .map(|x| from_fn(|d| x[d]))
+        .collect();
+    let pressure: Vec<f64> = unknowns.iter().skip(D).step_by(N).copied().collect();
+    let flux = assembly
+        .constraints
+        .boundary_flux(assembly.mesh, 0.0)
+        .unwrap();
+    let solved = Solved {
+        terms: assembly.terms,
+        mesh: assembly.mesh,
+        constraints: assembly.constraints,
+        velocity: &velocity,
+        pressure: &pressure,
+        unknowns: &unknowns,
+        reaction: &unknowns,
+        flux: &flux,
+        drive: None,
+        driving: from_fn(|d| 0.1 * d as f64),
+    };
+    let powers = solved.powers();
+    let terms = [
+        powers.kinetic_energy,
+        powers.inertia,
+        powers.viscous,
+        powers.gravity,
+        powers.solid,
+        powers.stabilisation,
+    ];
+    (terms, powers.scale())
+}
+
 fn flows<const D: usize>(porosity: &[f64], clear: bool, seed: u64) -> Vec<Flow<D>> {
     let mut random = Random(seed);
     let flow = |_| Flow {
@@ -234,6 +278,39 @@ fn groups_of_simplices_give_the_terms_taken_one_by_one() {
 }
 
 #[test]
+fn the_energy_identity_has_the_same_terms_in_groups() {
+    fn check<const D: usize, const N: usize>(cells: usize)
+    where
+        Dim<D>: Dimension<D>,
+    {
+        let mesh = kuhn_cells::<D, N>(cells, 3);
+        for (name, solid) in solids(&mesh) {
+            let flows = flows(&solid.matrix.porosity, name == "clear fluid", 17);
+            let mut worst: f64 = 0.0;
+            for scheme in &SCHEMES {
+                let case = Case {
+                    mesh: &mesh,
+                    solid: &solid,
+                    flows: &flows,
+                };
+                let [(quick, scale), (slow, _)] = [true, false].map(|quick| {
+                    case.assembly(scheme, quick, |assembly, _| {
+                        powers(assembly, mesh.node_count())
+                    })
+                });
+                for (quick, slow) in quick.iter().zip(&slow) {
+                    worst = worst.max((quick - slow).abs() / scale);
+                }
+            }
+            println!("{D} dimensions, {name:<19} {worst:.1e} of the sum of magnitudes");
+            assert!(worst < 1e-13);
+        }
+    }
+    check::<2, 3>(5);
+    check::<3, 4>(3);
+}
+
+#[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let mesh = kuhn_cells::<3, 4>(9, 3);
     let (_, solid) = solids(&mesh).pop().unwrap();
@@ -264,14 +341,17 @@ where
         solid,
         flows: &flows[..1],
     };
-    let mut least = [[f64::INFINITY; 2]; 2];
+    let mut least = [[f64::INFINITY; 3]; 2];
     case.assembly(&SCHEMES[0], false, |slow, mut system| {
         case.assembly(&SCHEMES[0], true, |quick, _| {
             for _ in 0..9 {
                 for (assembly, least) in [slow, quick].iter().zip(&mut least) {
-                    for (matrix, least) in least.iter_mut().enumerate() {
+                    for (work, least) in least.iter_mut().enumerate() {
                         let begin = cpu_seconds();
-                        assembly.fill(&mut system, matrix == 1);
+                        match work {
+                            2 => drop(powers(assembly, mesh.node_count())),
+                            _ => assembly.fill(&mut system, work == 1),
+                        }
                         *least = least.min(cpu_seconds() - begin);
                     }
                 }
@@ -284,7 +364,11 @@ where
         "{name}, {} nodes, {count} simplices, ns a simplex:",
         mesh.node_count()
     );
-    for (what, k) in [("matrix and right side", 1), ("right side", 0)] {
+    for (what, k) in [
+        ("matrix and right side", 1),
+        ("right side", 0),
+        ("energy identity", 2),
+    ] {
         let factor = slow[k] / quick[k];
         println!(
             "  {what:<21} {:7.1} -> {:6.1}   {factor:5.1} x",

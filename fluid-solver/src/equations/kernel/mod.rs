@@ -29,6 +29,7 @@
 
 mod blocks;
 mod clear;
+mod energy;
 mod group;
 mod groups;
 mod lanes;
@@ -38,5 +39,5 @@ mod sums;
 mod wide;
 
 pub use self::group::{GroupMatrix, GroupRight};
+pub use self::groups::Kernel;
 pub use self::lanes::{LANES, Lanes};
-pub use self::wide::Kernel;

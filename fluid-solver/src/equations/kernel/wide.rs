@@ -1,80 +1,46 @@
 //! The same code for processors with wide registers; nothing is fused, so it has the same bits.
 
-use super::group::{GroupMatrix, GroupRight};
-use super::groups::Groups;
-use super::records::Records;
-use crate::equations::coefficients::{Coefficients, ViscousForm};
-use crate::equations::element::CARRIERS;
-use crate::mesh::simplices::Mesh;
+/// Something to compute. `run` and all that it calls must be inlined: only then it is compiled for wide registers.
+pub trait Task {
+    /// What comes out.
+    type Output;
 
-/// The equations of an assembly, ready for its groups.
-pub struct Kernel<'a, const D: usize, const N: usize> {
-    groups: Groups<'a, D, N>,
-    /// Are there registers for four numbers?
-    wide: bool,
+    /// Compute it.
+    fn run(self) -> Self::Output;
 }
 
-impl<'a, const D: usize, const N: usize> Kernel<'a, D, N> {
-    /// None where the equations have a term that is not here.
-    pub fn new(terms: &'a Coefficients<'a, D>, mesh: &'a Mesh<D, N>) -> Option<Kernel<'a, D, N>> {
-        let known = terms.viscous_form == ViscousForm::Symmetric
-            && !terms.newton
-            && terms.body_force.is_none()
-            && terms.carriers.len() <= CARRIERS;
-        known.then(|| Kernel {
-            groups: Groups {
-                terms,
-                mesh,
-                records: Records::pack(terms),
-            },
-            wide: is_wide(),
-        })
-    }
+/// Are there registers for four numbers? Only a processor can say so.
+#[derive(Debug, Clone, Copy)]
+pub struct Wide(bool);
 
-    /// Blocks (left as they are unless wanted) and right-hand side of group `g`.
-    pub fn compute(
-        &self,
-        g: usize,
-        matrix_too: bool,
-        matrix: &mut GroupMatrix<N>,
-        right: &mut GroupRight<N>,
-    ) {
-        match matrix_too {
-            true => self.dispatch::<true>(g, matrix, right),
-            false => self.dispatch::<false>(g, matrix, right),
-        }
-    }
-
-    fn dispatch<const MATRIX: bool>(
-        &self,
-        g: usize,
-        matrix: &mut GroupMatrix<N>,
-        right: &mut GroupRight<N>,
-    ) {
+impl Wide {
+    /// What this processor has.
+    pub fn here() -> Wide {
         #[cfg(target_arch = "x86_64")]
-        if self.wide {
-            // SAFETY: `wide` is true only where the processor has told that it knows AVX2.
-            unsafe { compute_avx2::<D, N, MATRIX>(&self.groups, g, matrix, right) };
-            return;
-        }
-        self.groups.compute::<MATRIX>(g, matrix, right);
+        return Wide(std::is_x86_feature_detected!("avx2"));
+        #[cfg(not(target_arch = "x86_64"))]
+        return Wide(false);
     }
-}
 
-fn is_wide() -> bool {
-    #[cfg(target_arch = "x86_64")]
-    return std::is_x86_feature_detected!("avx2");
-    #[cfg(not(target_arch = "x86_64"))]
-    return false;
+    /// As if there were none.
+    #[cfg(test)]
+    pub fn none() -> Wide {
+        Wide(false)
+    }
+
+    /// Run a task, in wide registers where there are any.
+    pub fn run<T: Task>(self, task: T) -> T::Output {
+        #[cfg(target_arch = "x86_64")]
+        if self.0 {
+            // SAFETY: the processor has told that it knows AVX2.
+            return unsafe { run_wide(task) };
+        }
+        task.run()
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn compute_avx2<const D: usize, const N: usize, const MATRIX: bool>(
-    groups: &Groups<'_, D, N>,
-    g: usize,
-    matrix: &mut GroupMatrix<N>,
-    right: &mut GroupRight<N>,
-) {
-    groups.compute::<MATRIX>(g, matrix, right);
+fn run_wide<T: Task>(task: T) -> T::Output {
+    task.run()
 }
