@@ -21,6 +21,8 @@
 //! the power of walls, inflow and outer pressure on the fluid; it is taken from the reactions, the
 //! other terms from the fields: their balance `energy_defect` checks the whole assembly.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use space::simplex::combine;
 use space::vector::from_fn;
@@ -29,12 +31,13 @@ use space::{Dim, Dimension, Vector, dot, quadrature};
 use super::solved::Solved;
 use crate::equations::coefficients::ViscousForm;
 use crate::equations::element::Element;
+use crate::equations::kernel::{Kernel, LANES};
 use crate::equations::open;
 use crate::equations::point::Point;
 use crate::numbers::{Numbers, named};
 
-/// Simplices of a partial sum.
-const PIECE: usize = 1024;
+/// Groups of simplices of a partial sum.
+const PIECE: usize = 256;
 
 /// The terms of (E), per metre of depth \[W/m\], and the kinetic energy \[J/m\].
 #[derive(Debug, Clone, Copy, Default)]
@@ -106,11 +109,18 @@ where
 {
     /// All terms of (E).
     pub fn powers(&self) -> Powers {
-        let simplices: Vec<usize> = (0..self.mesh.simplices.len()).collect();
+        let kernel = Kernel::new(self.terms, self.mesh);
+        let groups = self.mesh.simplices.len().div_ceil(LANES);
+        let pieces = (0..groups.div_ceil(PIECE)).into_par_iter();
         // Partial sums of fixed pieces: the same bits on any number of threads.
-        let parts: Vec<Powers> = simplices
-            .par_chunks(PIECE)
-            .map(|t| self.powers_in(t))
+        let parts: Vec<Powers> = pieces
+            .map(|piece| {
+                let piece = piece * PIECE..groups.min((piece + 1) * PIECE);
+                match &kernel {
+                    Some(kernel) => self.powers_of(kernel, piece),
+                    None => self.powers_in(piece),
+                }
+            })
             .collect();
         let mut sum = parts
             .iter()
@@ -119,10 +129,26 @@ where
         sum
     }
 
-    /// The terms that are integrals over these simplices.
-    fn powers_in(&self, simplices: &[usize]) -> Powers {
+    /// The terms that are integrals over these groups.
+    fn powers_of(&self, kernel: &Kernel<'_, D, N>, groups: Range<usize>) -> Powers {
+        let energy = kernel.energy(groups, self.velocity, self.pressure, &self.driving);
+        Powers {
+            kinetic_energy: energy.kinetic,
+            inertia: energy.inertia,
+            viscous: energy.viscous,
+            gravity: energy.gravity,
+            solid: energy.solid,
+            source: 0.0,
+            stabilisation: energy.stabilisation,
+            boundary: 0.0,
+        }
+    }
+
+    /// The same, simplex by simplex, with all that the equations may have.
+    fn powers_in(&self, groups: Range<usize>) -> Powers {
         let mut sum = Powers::default();
-        for &t in simplices {
+        let end = self.mesh.simplices.len().min(groups.end * LANES);
+        for t in groups.start * LANES..end {
             let element = Element::gather(self.terms, self.mesh, t);
             let nodes = self.mesh.simplices[t];
             let u = nodes.map(|n| self.velocity[n]);

@@ -5,12 +5,12 @@ use space::vector::from_fn;
 use space::{Dim, Dimension, Simplex, Vector, hypot};
 
 use super::coefficients::{Carrier, Coefficients};
-use super::held::{Held, Weights, all_held};
+use super::held::{self, Weights};
 use super::stabilization::{Scales, mean};
 use crate::mesh::simplices::Mesh;
 
 /// Most flows that can take part: two earlier steps and the iterate.
-const CARRIERS: usize = 3;
+pub(super) const CARRIERS: usize = 3;
 
 /// A vector field at the corners, component by component.
 pub(super) type Components<const D: usize, const N: usize> = [[f64; N]; D];
@@ -111,22 +111,24 @@ where
         };
         let carried = terms.density * terms.rate * mean(&self.mobility);
         let follows = (mean(&self.entrained) + carried).abs();
-        let all = all_held(follows, 1.0 - porosity);
-        let held = [(all, self.drag), (1.0 - all, self.fixed_drag)]
-            .map(|(share, drag)| Held::new(&scales, share, drag));
-        scales.relieved = held[0].excess(&scales) + held[1].excess(&scales);
+        let held = held::weights(
+            &scales,
+            follows,
+            &self.drag,
+            &self.fixed_drag,
+            &self.porosity,
+        );
+        if let Some((weights, relieved)) = held {
+            scales.relieved = relieved;
+            self.weigh(weights);
+        }
         self.tau = scales.momentum();
         self.tau_c = terms.grad_div * scales.continuity();
-        if held.iter().any(|held| held.part > 0.0) {
-            self.weigh(&scales, &held);
-        }
     }
 
     /// The weights of held grains, and the ∇P that belongs to them.
-    fn weigh(&mut self, scales: &Scales, held: &[Held<N>]) {
-        for held in held {
-            (self.weights).add(scales, held, &self.drag, &self.porosity);
-        }
+    fn weigh(&mut self, weights: Weights<N>) {
+        self.weights = weights;
         let evened = self.weights.evened;
         let even = interpolate(&evened, &self.entrained);
         let own = std::array::from_fn(|j| self.entrained[j] * (1.0 - evened[j]));

@@ -53,7 +53,7 @@ impl<const N: usize> Weights<N> {
     }
 
     /// Add d_j and f_j of what of the drag is held so.
-    pub fn add(&mut self, scales: &Scales, held: &Held<N>, drag: &[f64; N], porosity: &[f64; N]) {
+    fn add(&mut self, scales: &Scales<f64>, held: &Held<N>, drag: &[f64; N], porosity: &[f64; N]) {
         if held.part == 0.0 {
             return;
         }
@@ -77,18 +77,40 @@ impl<const N: usize> Weights<N> {
     }
 }
 
+/// The weights of a simplex with this drag and that of fixed grains at its corners, and what of the drag τ_c
+/// leaves out (S2); none where nothing is held so. `follows` is F of (H3).
+pub(super) fn weights<const N: usize>(
+    scales: &Scales<f64>,
+    follows: f64,
+    drag: &[f64; N],
+    fixed: &[f64; N],
+    porosity: &[f64; N],
+) -> Option<(Weights<N>, f64)> {
+    let all = all_held(follows, 1.0 - mean(porosity));
+    let held =
+        [(all, drag), (1.0 - all, fixed)].map(|(share, drag)| Held::new(scales, share, *drag));
+    if held.iter().all(|held| held.part == 0.0) {
+        return None;
+    }
+    let mut weights = Weights::none(porosity);
+    for held in &held {
+        weights.add(scales, held, drag, porosity);
+    }
+    Some((weights, held[0].excess(scales) + held[1].excess(scales)))
+}
+
 /// Drag at the corners that counts as held.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Held<const N: usize> {
+struct Held<const N: usize> {
     drag: [f64; N],
     least: f64,
     /// ϑ
-    pub part: f64,
+    part: f64,
 }
 
 impl<const N: usize> Held<N> {
     /// `share` of this drag, as far as it is uneven. (H3)
-    pub fn new(scales: &Scales, share: f64, drag: [f64; N]) -> Held<N> {
+    fn new(scales: &Scales<f64>, share: f64, drag: [f64; N]) -> Held<N> {
         let least = drag.iter().fold(f64::INFINITY, |least, &b| least.min(b));
         let most = drag.iter().fold(0.0, |most: f64, &b| most.max(b));
         let uneven = match share > 0.0 && most > least {
@@ -103,14 +125,14 @@ impl<const N: usize> Held<N> {
     }
 
     /// What of the mean drag τ_c leaves out. (S2)
-    pub fn excess(&self, scales: &Scales) -> f64 {
+    fn excess(&self, scales: &Scales<f64>) -> f64 {
         let bound = scales.viscous_bound(self.least);
         self.part * (mean(&self.drag) - bound).max(0.0)
     }
 }
 
 /// The share of a simplex whose grains are all held: the first factor of ϑ, with F and S. (H3)
-pub(super) fn all_held(follows: f64, solid: f64) -> f64 {
+fn all_held(follows: f64, solid: f64) -> f64 {
     if follows == 0.0 {
         return 1.0;
     }

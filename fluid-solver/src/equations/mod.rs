@@ -5,6 +5,7 @@
 //! * [`momentum`], [`continuity`], [`stabilization`]: the terms, entry by entry
 //! * [`open`]: the facets of open boundaries
 //! * `held`: what is different where held grains drag unevenly
+//! * `kernel`: all terms again, in sums that are quick to take, for several simplices at a time
 //! * [`assembly`]: the system made of them
 //! * [`coarse`]: what coarser meshes of the iterative solver lack
 //! * [`drive`]: the mean of a flow through periodic sides, steered
@@ -19,6 +20,7 @@ pub mod creeping;
 pub mod drive;
 pub mod element;
 mod held;
+pub(crate) mod kernel;
 pub mod manufactured;
 pub mod momentum;
 pub mod open;

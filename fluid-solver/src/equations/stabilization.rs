@@ -19,53 +19,101 @@
 //! subscale velocity −τR carries mass through P∇q, the subscale pressure acts through div(P w).
 //! β must be in τ: without it the pressure drop of a stiff plug vanishes.
 
+use std::ops::{Add, Div, Mul, Sub};
+
+/// One number, or that of several simplices side by side.
+pub trait Real:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// √x
+    fn sqrt(self) -> Self;
+    /// 1/x
+    fn recip(self) -> Self;
+}
+
+impl Real for f64 {
+    #[inline(always)]
+    fn sqrt(self) -> f64 {
+        f64::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn recip(self) -> f64 {
+        1.0 / self
+    }
+}
+
 /// Element means that the parameters depend on.
 #[derive(Debug, Clone, Copy)]
-pub struct Scales {
+pub struct Scales<T> {
     /// α/Δt \[1/s\].
     pub rate: f64,
     /// ρφ \[kg/m³\].
-    pub inertia: f64,
+    pub inertia: T,
     /// μφ \[Pa s\].
-    pub viscosity: f64,
+    pub viscosity: T,
     /// β \[kg/(m³ s)\].
-    pub drag: f64,
+    pub drag: T,
     /// What of β is not in β_c \[kg/(m³ s)\].
-    pub relieved: f64,
+    pub relieved: T,
     /// |a| \[m/s\].
-    pub speed: f64,
+    pub speed: T,
     /// P = φ + c.
-    pub mixture: f64,
+    pub mixture: T,
     /// h \[m\].
-    pub size: f64,
+    pub size: T,
 }
 
-impl Scales {
+impl<T: Real> Scales<T> {
     /// τ of the momentum residual \[m³ s/kg\].
-    pub fn momentum(&self) -> f64 {
+    #[inline(always)]
+    pub fn momentum(&self) -> T {
         let transient = self.inertia * self.rate;
-        let convective = 2.0 * self.inertia * self.speed / self.size;
-        let viscous = 12.0 * self.viscosity / (self.size * self.size);
+        let convective = self.inertia * 2.0 * self.speed / self.size;
+        let viscous = self.viscosity * 12.0 / (self.size * self.size);
         let squares = transient * transient + convective * convective + viscous * viscous;
-        1.0 / (squares + self.drag * self.drag).sqrt() // (S1)
+        (squares + self.drag * self.drag).sqrt().recip() // (S1)
     }
 
     /// b0: what holds a node beside the drag \[kg/(m³ s)\].
-    pub fn other_than_drag(&self) -> f64 {
+    #[inline(always)]
+    pub fn other_than_drag(&self) -> T {
         let convective = self.inertia * self.speed / self.size;
-        convective + 3.0 * self.viscosity / (self.size * self.size) // (S3)
+        convective + self.viscosity * 3.0 / (self.size * self.size) // (S3)
     }
 
     /// Drag from which on it is left out of τ_c, where the least of the corners is `least` \[kg/(m³ s)\].
-    pub fn viscous_bound(&self, least: f64) -> f64 {
-        least + 12.0 * self.viscosity / (self.size * self.size)
+    #[inline(always)]
+    pub fn viscous_bound(&self, least: T) -> T {
+        least + self.viscosity * 12.0 / (self.size * self.size)
     }
 
     /// τ_c of the continuity residual \[Pa s\], for a unit grad-div factor.
-    pub fn continuity(&self) -> f64 {
-        let convective = 0.5 * self.inertia * self.speed * self.size;
+    #[inline(always)]
+    pub fn continuity(&self) -> T {
+        let convective = self.inertia * 0.5 * self.speed * self.size;
         let resistive = (self.drag - self.relieved) * self.size * self.size;
         (self.viscosity + convective + resistive) / (self.mixture * self.mixture) // (S2)
+    }
+
+    /// The same of one of several simplices.
+    #[inline(always)]
+    pub fn map<U>(&self, one: impl Fn(T) -> U) -> Scales<U> {
+        Scales {
+            rate: self.rate,
+            inertia: one(self.inertia),
+            viscosity: one(self.viscosity),
+            drag: one(self.drag),
+            relieved: one(self.relieved),
+            speed: one(self.speed),
+            mixture: one(self.mixture),
+            size: one(self.size),
+        }
     }
 }
 

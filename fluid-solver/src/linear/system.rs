@@ -64,6 +64,19 @@ impl<const N: usize> System<N> {
         })
     }
 
+    /// Add a block of the element of simplex `t`, that of row corner `i` and column corner `j`, column by column.
+    #[inline(always)]
+    pub fn add_block(&mut self, t: usize, i: usize, j: usize, columns: &[[f64; N]; N]) {
+        let (begin, stride) = self.pattern.place[t][i][j];
+        for (f, column) in columns.iter().enumerate() {
+            let at = begin as usize + f * stride as usize;
+            let slots = &mut self.matrix[at..at + N];
+            for d in 0..N {
+                slots[d] += column[d];
+            }
+        }
+    }
+
     /// K x − r, the reaction on each unknown.
     pub fn reaction(&self, x: &[f64]) -> Vec<f64> {
         let mut residual = self.right.clone();

@@ -11,6 +11,7 @@ mod held;
 mod inflow;
 mod iterated_steps;
 mod iterative;
+mod kernel;
 mod longest;
 mod manufactured;
 mod mean_flow;

@@ -44,7 +44,8 @@ fn without_sides_water_falls_unless_its_mean_flow_is_held() {
         let u = &solver.state().now.superficial_velocity;
         let difference = largest_difference(u, |_| [0.0, expected].into());
         println!("{mean_flow:?}: {expected} m/s after 10 s but for {difference:e}");
-        assert!(difference < 1e-9);
+        // At the end it crosses 3000 cells a step, whose convection cancels to round-off of the inertia.
+        assert!(difference < 1e-10 * f64::abs(expected).max(1.0));
     }
 }
 

@@ -15,13 +15,21 @@ use crate::support::Random;
 
 const CELLS: usize = 4;
 
-/// A unit square or cube of cells, each cut into D! simplices along its diagonal (Kuhn), the nodes
-/// inside moved at random; its boundary is one and called "walls".
+/// [`kuhn_cells`] of a few cells.
 fn kuhn<const D: usize, const N: usize>(seed: u64) -> Mesh<D, N>
 where
     Dim<D>: Dimension<D>,
 {
-    let lines = CELLS + 1;
+    kuhn_cells(CELLS, seed)
+}
+
+/// A unit square or cube of cells, each cut into D! simplices along its diagonal (Kuhn), the nodes
+/// inside moved at random; its boundary is one and called "walls".
+pub fn kuhn_cells<const D: usize, const N: usize>(cells: usize, seed: u64) -> Mesh<D, N>
+where
+    Dim<D>: Dimension<D>,
+{
+    let lines = cells + 1;
     let number = |at: &[usize; D]| at.iter().rev().fold(0, |sum, k| lines * sum + k);
     let place =
         |node: usize| -> [usize; D] { std::array::from_fn(|d| node / lines.pow(d as u32) % lines) };
@@ -29,14 +37,14 @@ where
     let nodes = 0..lines.pow(D as u32);
     let position = nodes.map(|node| {
         let at = place(node);
-        let inside = at.iter().all(|k| (1..CELLS).contains(k));
+        let inside = at.iter().all(|k| (1..cells).contains(k));
         let reach = if inside { 0.25 } else { 0.0 };
-        from_fn(|d| (at[d] as f64 + random.between(-reach, reach)) / CELLS as f64)
+        from_fn(|d| (at[d] as f64 + random.between(-reach, reach)) / cells as f64)
     });
     let position: Vec<Vector<D>> = position.collect();
     let mut simplices: Vec<[usize; N]> = Vec::new();
-    for cell in (0..CELLS.pow(D as u32))
-        .map(|c| -> [usize; D] { std::array::from_fn(|d| c / CELLS.pow(d as u32) % CELLS) })
+    for cell in (0..cells.pow(D as u32))
+        .map(|c| -> [usize; D] { std::array::from_fn(|d| c / cells.pow(d as u32) % cells) })
     {
         for order in orders::<D>() {
             let mut at = cell;
@@ -56,7 +64,7 @@ where
         for k in 0..N {
             let facet = space::simplex::facet_corners::<D>(k).map(|corner| nodes[corner]);
             let on = |d: usize, end: usize| facet.iter().all(|&n| place(n)[d] == end);
-            if (0..D).any(|d| on(d, 0) || on(d, CELLS)) {
+            if (0..D).any(|d| on(d, 0) || on(d, cells)) {
                 walls.push((facet, 0));
             }
         }
@@ -183,18 +191,18 @@ fn rigid_motion_costs_nothing() {
 }
 
 /// Nodal fields of a random solid.
-struct RandomSolid {
-    porosity: Vec<f64>,
-    drag: Vec<f64>,
-    source: Vec<f64>,
-    entrained: Vec<f64>,
-    flux: Vec<f64>,
-    mobility: Vec<f64>,
-    fixed: Vec<f64>,
+pub struct RandomSolid {
+    pub porosity: Vec<f64>,
+    pub drag: Vec<f64>,
+    pub source: Vec<f64>,
+    pub entrained: Vec<f64>,
+    pub flux: Vec<f64>,
+    pub mobility: Vec<f64>,
+    pub fixed: Vec<f64>,
 }
 
 impl RandomSolid {
-    fn new<const D: usize>(nodes: usize, drag: f64, seed: u64) -> RandomSolid {
+    pub fn new<const D: usize>(nodes: usize, drag: f64, seed: u64) -> RandomSolid {
         let mut random = Random(seed);
         let mut many = |count: usize, low: f64, high: f64| -> Vec<f64> {
             (0..count).map(|_| random.between(low, high)).collect()
@@ -217,7 +225,7 @@ impl RandomSolid {
         }
     }
 
-    fn fields(&self) -> SolidFields<'_> {
+    pub fn fields(&self) -> SolidFields<'_> {
         SolidFields {
             porosity: Some(&self.porosity),
             drag: Some(&self.drag),

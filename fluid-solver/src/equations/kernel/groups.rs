@@ -1,0 +1,175 @@
+//! The equations of an assembly, ready for its groups.
+
+use std::ops::Range;
+
+use space::Vector;
+
+use super::clear::ClearFluid;
+use super::energy::{Energy, Rates, Solution};
+use super::group::{Group, GroupMatrix, GroupRight};
+use super::lanes::LANES;
+use super::porous::Porous;
+use super::records::Records;
+use super::sums::Sums;
+use super::wide::{Task, Wide};
+use crate::equations::coefficients::{Coefficients, ViscousForm};
+use crate::equations::element::CARRIERS;
+use crate::mesh::simplices::Mesh;
+
+/// The equations of an assembly, ready for its groups.
+pub struct Kernel<'a, const D: usize, const N: usize> {
+    terms: &'a Coefficients<'a, D>,
+    mesh: &'a Mesh<D, N>,
+    records: Records<D>,
+    wide: Wide,
+}
+
+impl<'a, const D: usize, const N: usize> Kernel<'a, D, N> {
+    /// None where the equations have a term that is not here.
+    pub fn new(terms: &'a Coefficients<'a, D>, mesh: &'a Mesh<D, N>) -> Option<Kernel<'a, D, N>> {
+        let known = terms.viscous_form == ViscousForm::Symmetric
+            && !terms.newton
+            && terms.body_force.is_none()
+            && terms.carriers.len() <= CARRIERS;
+        known.then(|| Kernel {
+            terms,
+            mesh,
+            records: Records::pack(terms),
+            wide: Wide::here(),
+        })
+    }
+
+    /// Blocks (left as they are unless wanted) and right-hand side of group `g`.
+    pub fn compute(
+        &self,
+        g: usize,
+        matrix_too: bool,
+        matrix: &mut GroupMatrix<N>,
+        right: &mut GroupRight<N>,
+    ) {
+        let kernel = self;
+        match matrix_too {
+            true => self.wide.run(Blocks {
+                kernel,
+                g,
+                matrix,
+                right,
+            }),
+            false => self.wide.run(OnlyRight { kernel, g, right }),
+        }
+    }
+
+    /// What the terms of the energy identity are in these groups, with this velocity,
+    /// this pressure and this uniform ∇p beside it.
+    pub fn energy(
+        &self,
+        groups: Range<usize>,
+        velocity: &[Vector<D>],
+        pressure: &[f64],
+        driving: &Vector<D>,
+    ) -> Energy {
+        self.wide.run(EnergyOf {
+            kernel: self,
+            groups,
+            velocity,
+            pressure,
+            driving,
+        })
+    }
+}
+
+/// Blocks and right-hand side of a group.
+struct Blocks<'a, const D: usize, const N: usize> {
+    kernel: &'a Kernel<'a, D, N>,
+    g: usize,
+    matrix: &'a mut GroupMatrix<N>,
+    right: &'a mut GroupRight<N>,
+}
+
+impl<const D: usize, const N: usize> Task for Blocks<'_, D, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Kernel {
+            terms,
+            mesh,
+            records,
+            ..
+        } = self.kernel;
+        let group = Group::gather(mesh, self.g);
+        if records.are_clear(&group.nodes) {
+            let clear = ClearFluid::gather(terms, records, group);
+            clear.right(terms, self.right);
+            clear.matrix(terms, self.matrix);
+        } else {
+            let porous = Porous::gather(terms, records, group);
+            let sums = Sums::new::<true>(terms, &porous);
+            sums.right(&porous, self.right);
+            sums.matrix(terms, &porous, self.matrix);
+        }
+    }
+}
+
+/// The right-hand side of a group.
+struct OnlyRight<'a, const D: usize, const N: usize> {
+    kernel: &'a Kernel<'a, D, N>,
+    g: usize,
+    right: &'a mut GroupRight<N>,
+}
+
+impl<const D: usize, const N: usize> Task for OnlyRight<'_, D, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Kernel {
+            terms,
+            mesh,
+            records,
+            ..
+        } = self.kernel;
+        let group = Group::gather(mesh, self.g);
+        if records.are_clear(&group.nodes) {
+            ClearFluid::gather(terms, records, group).right(terms, self.right);
+        } else {
+            let porous = Porous::gather(terms, records, group);
+            Sums::new::<false>(terms, &porous).right(&porous, self.right);
+        }
+    }
+}
+
+/// The energy identity in some groups.
+struct EnergyOf<'a, const D: usize, const N: usize> {
+    kernel: &'a Kernel<'a, D, N>,
+    groups: Range<usize>,
+    velocity: &'a [Vector<D>],
+    pressure: &'a [f64],
+    driving: &'a Vector<D>,
+}
+
+impl<const D: usize, const N: usize> Task for EnergyOf<'_, D, N> {
+    type Output = Energy;
+
+    #[inline(always)]
+    fn run(self) -> Energy {
+        let Kernel {
+            terms,
+            mesh,
+            records,
+            ..
+        } = self.kernel;
+        let mut sum = Rates::NONE;
+        for g in self.groups {
+            let group = Group::gather(mesh, g);
+            let filled = (mesh.simplices.len() - g * LANES).min(LANES);
+            let at = Porous::gather(terms, records, group);
+            let solved = Solution::gather(&at.group, self.velocity, self.pressure, self.driving);
+            sum.add(&Rates::of(terms, &at, &solved), filled);
+        }
+        sum.energy()
+    }
+}
+
+#[cfg(test)]
+mod tests;
