@@ -36,12 +36,15 @@ fn with_result(document: &Value, result: &str) -> Vec<String> {
 #[test]
 fn the_built_in_engines_pass_every_check() {
     need_programs();
-    for (seat, program, checks) in [
-        ("fluid", "sillage-fluid", 42),
-        ("particles", "sillage-particles", 44),
+    let space = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/engines/space.toml");
+    for (seat, program, checks, scene) in [
+        ("fluid", "sillage-fluid", 42, &[][..]),
+        ("particles", "sillage-particles", 44, &[]),
+        ("fluid", "sillage-fluid", 42, &["--scene", space]),
+        ("particles", "sillage-particles", 44, &["--scene", space]),
     ] {
-        let program = programs().join(program);
-        let output = conform(&["--as", seat, "--", &program.to_string_lossy()]);
+        let program = programs().join(program).to_string_lossy().into_owned();
+        let output = conform(&[scene, &["--as", seat, "--", &program]].concat());
         let words = String::from_utf8_lossy(&output.stdout);
         println!("{words}");
         assert_eq!(output.status.code(), Some(0));

@@ -93,6 +93,22 @@ fn a_run_whose_mesh_follows_the_flow_goes_on_to_the_bit() {
     halves(&shipped("cylinder.toml"), 12, &BENT);
 }
 
+/// A cloud of spheres on tetrahedra that follow it, too many for a direct factor.
+const SPHERES: [&str; 4] = [
+    "fluid.refinement.near_grains=1.24e-3",
+    "fluid.refinement.margin=4e-4",
+    "fluid.refinement.growth=0.4",
+    "grains[0].radius=3.2e-4",
+];
+
+#[test]
+fn runs_in_space_go_on_to_the_bit() {
+    halves(&shipped("cloud-3d.toml"), 12, &SPHERES);
+    halves(&shipped("settling-3d.toml"), 6, &[]);
+    let friction = "contact.friction=0.3";
+    halves(&shipped("dry-collapse-3d.toml"), 12, &[friction]);
+}
+
 #[test]
 fn a_cloud_goes_on_from_every_step_to_the_bit() {
     let arguments = small_cloud(0.06);
