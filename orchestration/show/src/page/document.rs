@@ -5,7 +5,7 @@ use std::path::Path;
 use scene::Error;
 use serde_json::{Value, json};
 
-use super::states::Reader;
+use super::states::{Reader, dimension};
 use crate::table::{Table, spread};
 
 /// What a study writes: where it is, the folder is that of a study.
@@ -62,9 +62,4 @@ pub fn head(folder: &Path) -> Result<Value, Error> {
     Ok(
         json!({ "dimension": dimension, "run": run, "steps": columns, "scene": scene, "live": false }),
     )
-}
-
-/// In how many dimensions a scene is computed; of one that does not say it, the plane.
-pub fn dimension(scene: &Value) -> usize {
-    scene["gravity"].as_array().map_or(2, Vec::len)
 }

@@ -9,7 +9,6 @@ use scene::Error;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::document::dimension;
 use super::encode::{Shares, shares, singles, words};
 use super::surface::{self, Drawn, Surface};
 
@@ -228,6 +227,11 @@ impl Reader {
         });
         Ok(())
     }
+}
+
+/// In how many dimensions a scene is computed; of one that does not say it, the plane.
+pub fn dimension(scene: &Value) -> usize {
+    scene["gravity"].as_array().map_or(2, Vec::len)
 }
 
 /// Corners of a wall, with zeros for what they lack.
