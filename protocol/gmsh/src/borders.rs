@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use space::simplex::facet_corners;
 use space::{Dim, Dimension};
 
+use crate::cells::triangles;
 use crate::error::Faults;
 use crate::file::{Element, File};
 use crate::mesh::{Border, Mesh, Options, Pieces};
@@ -142,16 +143,29 @@ fn on_sides<'a, const D: usize, const N: usize>(
     file: &'a File,
 ) -> OnSides<'a, D> {
     let mut on: OnSides<'a, D> = BTreeMap::new();
-    let facets = file.elements.iter();
-    for element in facets.filter(|e| e.dimension + 1 == D && e.corners == D) {
-        let index = |k: usize| mesh.node_number.binary_search(&element.nodes[k]);
-        let nodes: [_; D] = std::array::from_fn(index);
-        if nodes.iter().all(Result::is_ok) {
-            let nodes = ordered(nodes.map(|node| node.unwrap_or_default()));
-            on.entry(nodes).or_default().push(element);
+    for element in file.elements.iter().filter(|e| e.dimension + 1 == D) {
+        for corners in facets::<D>(element) {
+            let index = |k: usize| mesh.node_number.binary_search(&element.nodes[k]);
+            let nodes = corners.map(index);
+            if nodes.iter().all(Result::is_ok) {
+                let nodes = ordered(nodes.map(|node| node.unwrap_or_default()));
+                on.entry(nodes).or_default().push(element);
+            }
         }
     }
     on
+}
+
+/// Corners of the facets that an element on a side is, or is cut into.
+fn facets<const D: usize>(element: &Element) -> Vec<[usize; D]> {
+    if element.corners == D {
+        return vec![std::array::from_fn(|k| k)];
+    }
+    if D < 3 || element.corners != 4 {
+        return Vec::new();
+    }
+    let parts = triangles(&[0, 1, 2, 3], |k| element.nodes[k]).into_iter();
+    parts.map(|part| std::array::from_fn(|k| part[k])).collect()
 }
 
 /// What the file says of a side: the groups of all elements there, or else the first entity.

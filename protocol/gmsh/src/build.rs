@@ -1,6 +1,6 @@
 //! A mesh of simplices made of what a file says.
 //!
-//! Quadrilaterals are cut along their shorter diagonal, curved elements have straight sides between their
+//! Quadrilaterals are cut along their shorter diagonal, hexahedra, prisms and pyramids into tetrahedra, curved elements have straight sides between their
 //! corners, left-handed (clockwise) elements are turned, nodes that nothing uses are left out. Nodes are
 //! numbered in the order of their numbers in the file.
 
@@ -10,6 +10,7 @@ use std::path::Path;
 use space::simplex::determinant;
 use space::{Dim, Dimension, Vector, hypot};
 
+use crate::cells::tetrahedra;
 use crate::error::{Error, Faults};
 use crate::file::{Element, File};
 use crate::filling::Filling;
@@ -91,7 +92,8 @@ where
                 let (number, simplex) = (element.number, Dim::<D>::SIMPLEX);
                 let count = element.corners;
                 faults.note(format!(
-                    "element {number} has {count} corners; {simplex}s are read, and quadrilaterals in the plane"
+                    "element {number} has {count} corners; {simplex}s are read, in the plane quadrilaterals, in space \
+                     hexahedra, prisms and pyramids"
                 ));
                 continue;
             };
@@ -106,7 +108,7 @@ where
                 }
                 if measure < 0.0 {
                     nodes.swap(N - 2, N - 1);
-                    turned += 1;
+                    turned += usize::from(D < 3 || element.corners == N);
                 }
                 pieces.nodes.push(nodes);
                 pieces.element.push(element.number);
@@ -119,7 +121,13 @@ where
             }
         };
         tell(turned, "elements are left-handed (clockwise): turned");
-        tell(cut, "quadrilaterals: each cut in two");
+        tell(
+            cut,
+            [
+                "quadrilaterals: each cut in two",
+                "cells cut into tetrahedra",
+            ][D - 2],
+        );
         tell(
             curved,
             "elements have curved sides: straight between their corners",
@@ -159,13 +167,17 @@ fn place<const D: usize>(file: &File, number: u64) -> Vector<D> {
 /// Corners of the simplices that an element is cut into.
 fn parts<const D: usize, const N: usize>(
     element: &Element,
-    corners: &[Vector<D>; 4],
+    corners: &[Vector<D>; 8],
 ) -> Option<Vec<[usize; N]>>
 where
     Dim<D>: Dimension<D>,
 {
     if element.corners == N {
         return Some(vec![std::array::from_fn(|k| k)]);
+    }
+    if let Some(parts) = tetrahedra(element) {
+        let part = |corners: [usize; 4]| std::array::from_fn(|k| corners[k]);
+        return Some(parts.into_iter().map(part).collect());
     }
     if element.dimension != 2 || element.corners != 4 {
         return None;
@@ -220,7 +232,7 @@ where
 /// Coordinates beyond the first D must be the same for all nodes that are used, but for round-off.
 fn check_flat_space<const D: usize>(file: &File, filling: &Filling<'_>, faults: &mut Faults) {
     let corners =
-        |(element, _): &(&Element, Vec<String>)| element.nodes[..element.corners.min(4)].to_vec();
+        |(element, _): &(&Element, Vec<String>)| element.nodes[..element.corners].to_vec();
     let used: BTreeSet<u64> = filling.elements.iter().flat_map(corners).collect();
     let axis = |k: usize| {
         let values = used.iter().map(|n| file.nodes[n][k]);

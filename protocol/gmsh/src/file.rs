@@ -41,10 +41,10 @@ pub struct Element {
     pub number: u64,
     /// Its dimension.
     pub dimension: usize,
-    /// How many corners it has; more than four are not kept.
+    /// How many corners it has.
     pub corners: usize,
     /// Nodes of its corners, and 0.
-    pub nodes: [u64; 4],
+    pub nodes: [u64; 8],
     /// Has it nodes beside its corners?
     pub curved: bool,
     /// The entity it lies on.

@@ -35,6 +35,7 @@ impl<'a> Filling<'a> {
                 filling.add(element, labels, &mut known, faults);
             }
         }
+        let measure = ["surface", "volume"][D - 2];
         for missing in options
             .surfaces
             .iter()
@@ -42,13 +43,14 @@ impl<'a> Filling<'a> {
         {
             let there: Vec<&String> = there.iter().collect();
             faults.note(format!(
-                "no surface is called {missing:?}; there are {there:?}"
+                "no {measure} is called {missing:?}; there are {there:?}"
             ));
         }
         if let Some(volume) = file.elements.iter().find(|element| element.dimension > D) {
             let number = volume.number;
             faults.note(format!(
-                "element {number} is a volume; the mesh must be plane"
+                "element {number} is a volume; the mesh of a scene of the plane must be plane, and in space gravity has three \
+                 numbers"
             ));
         }
         filling
@@ -62,7 +64,7 @@ impl<'a> Filling<'a> {
         known: &mut BTreeMap<Vec<u64>, usize>,
         faults: &mut Faults,
     ) {
-        let mut nodes = element.nodes[..element.corners.min(4)].to_vec();
+        let mut nodes = element.nodes[..element.corners].to_vec();
         nodes.sort_unstable();
         match known.get(&nodes) {
             Some(&at) if self.elements[at].1 != labels && element.group.is_some() => {

@@ -13,6 +13,7 @@
 
 mod borders;
 mod build;
+mod cells;
 mod cursor;
 pub mod error;
 pub mod file;

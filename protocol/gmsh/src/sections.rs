@@ -123,13 +123,13 @@ pub(crate) fn element(
     entity: i64,
     node: fn(&mut Cursor<'_>) -> Result<u64, Fault>,
 ) -> Result<Element, Fault> {
-    let mut nodes = [0; 4];
+    let mut nodes = [0; 8];
     for k in 0..kind.nodes {
         let tag = node(cursor)?;
         if !file.nodes.contains_key(&tag) {
             return Err(cursor.fault(format!("element {number}: node {tag} does not exist")));
         }
-        if k < kind.corners.min(4) {
+        if k < kind.corners {
             nodes[k] = tag;
         }
     }

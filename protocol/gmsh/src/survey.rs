@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use space::simplex::determinant;
 use space::{Dim, Dimension, Vector, hypot};
 
+use crate::cells::tetrahedra;
 use crate::file::{Element, File};
 use crate::mesh::Mesh;
 
@@ -61,17 +62,7 @@ pub fn groups<const D: usize>(file: &File) -> Vec<Group> {
     groups.into_values().collect()
 }
 
-/// Tetrahedra around the long diagonal of a hexahedron.
-const AROUND: [[usize; 4]; 6] = [
-    [0, 1, 2, 6],
-    [0, 2, 3, 6],
-    [0, 3, 7, 6],
-    [0, 7, 4, 6],
-    [0, 4, 5, 6],
-    [0, 5, 1, 6],
-];
-
-/// Length, area or volume of an element with straight sides; 0 of kinds that no mesh is made of.
+/// Length, area or volume of an element with straight sides; 0 of points.
 fn size(file: &File, element: &Element) -> f64 {
     let at = |k: usize| Vector::<3>::from(file.nodes[&element.nodes[k]]);
     match (element.dimension, element.corners) {
@@ -79,8 +70,10 @@ fn size(file: &File, element: &Element) -> f64 {
         (2, 3) => 0.5 * hypot(&(at(1) - at(0)).cross(&(at(2) - at(0)))),
         (2, 4) => 0.5 * hypot(&(at(2) - at(0)).cross(&(at(3) - at(1)))),
         (3, 4) => volume([0, 1, 2, 3].map(at)),
-        (3, 8) => AROUND.iter().map(|part| volume(part.map(at))).sum(),
-        _ => 0.0,
+        _ => {
+            let parts = tetrahedra(element).unwrap_or_default();
+            parts.iter().map(|part| volume(part.map(at))).sum()
+        }
     }
 }
 

@@ -11,17 +11,21 @@ use crate::schema;
 use crate::validator::{complaint, plain};
 
 /// Keys whose numbers the program alone refuses, as they go with others or with what is there.
-const BEYOND: [&str; 12] = [
+const BEYOND: [&str; 16] = [
     "coupling.adaptive.step_max", // step_min
+    "fluid.domain.box.upper",
     "fluid.domain.rectangle.upper",
     "grains.box.upper",
     "grains.lattice.upper",
-    "grains.radius.max", // min
-    "output.every",      // the smallest step, how many states there are
-    "output.fields",     // is there a fluid, are there grains?
+    "grains.radius.max",   // min
+    "numbers of a vector", // how many dimensions the scene has
+    "output.every",        // the smallest step, how many states there are
+    "output.fields",       // is there a fluid, are there grains?
     "particles.domain.upper",
     "run.coupling_step", // end_time
     "run.step_min",      // coupling_step
+    "walls.corners",     // are they flat, how many dimensions?
+    "walls.cylinder",    // its two ends
     "walls.to",          // from
     "walls.velocity",    // the way of the wall
 ];

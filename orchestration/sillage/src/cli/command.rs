@@ -8,7 +8,7 @@ use super::pages::{ReportArgs, StabilityArgs, StudyArgs, ViewArgs};
 use super::recordings::{DiffArgs, ReplayArgs};
 use super::scenes::{CheckArgs, DoctorArgs, PlanArgs, ResumeArgs, RunArgs};
 
-/// Grains in a fluid, in two dimensions: a finite-element fluid, non-smooth contacts, and the
+/// Grains in a fluid, in the plane and in space: a finite-element fluid, non-smooth contacts, and the
 /// coupling between them, each in its own process.
 #[derive(Debug, Parser)]
 #[command(name = "sillage", version, after_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
