@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use protocol::scene::{Boundary, Profile};
 
 use crate::check::Checker;
-use crate::dimensions::{AXES, Cells, sides};
+use crate::dimensions::{Cells, sides};
 use crate::read::nearest;
 
 /// A condition for each of `names`; refuses unknown names and names without a condition.
@@ -167,9 +167,4 @@ pub fn mean_of(profile: Profile, dimension: usize) -> f64 {
         (Profile::Parabolic, 2) => 2.0 / 3.0,
         (Profile::Parabolic, _) => 4.0 / 9.0,
     }
-}
-
-/// Name of an axis, with what is told of one that a scene has.
-pub fn axes<const D: usize>() -> impl Iterator<Item = (usize, &'static str)> {
-    AXES.into_iter().take(D).enumerate()
 }

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use protocol::scene::{Boundary, MeanFlow, TimeScheme};
 
-use crate::boundaries::axes;
 use crate::check::Checker;
+use crate::dimensions::axes;
 use crate::keys::{Fluid, Numbers, SceneFile};
 use crate::walls::joined;
 

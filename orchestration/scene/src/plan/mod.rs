@@ -2,6 +2,7 @@
 //!
 //! `whole` is the plan; `choices` what a run chooses by itself, with the shares of `cost`.
 
+mod cells;
 pub mod choices;
 mod cost;
 mod kept;

@@ -11,11 +11,11 @@ use protocol::scene::{
 };
 use serde::Serialize;
 
+use super::cells;
 use super::choices::{self, Choice};
 use super::kept;
 use crate::error::Error;
 use crate::record;
-use crate::refinement;
 use crate::resolve::GRAINS_FILE;
 use crate::scene::Scene;
 
@@ -146,7 +146,7 @@ fn sizes(scene: &Scene) -> Vec<String> {
     let mut sizes = Vec::new();
     match scene.coupler.fluid.as_ref().map(|fluid| &fluid.mesh) {
         Some(MeshSource::File { path, .. }) => sizes.push(format!("fluid: mesh {path}")),
-        Some(mesh) => sizes.extend(of_cells(scene, mesh)),
+        Some(mesh) => sizes.extend(cells::in_words(scene, mesh)),
         None => {}
     }
     if let Some(NearGrains { size, margin }) = scene.coupler.near_grains {
@@ -175,35 +175,6 @@ fn sizes(scene: &Scene) -> Vec<String> {
         ));
     }
     sizes
-}
-
-/// A rectangle or box of cells in words.
-fn of_cells(scene: &Scene, mesh: &MeshSource) -> Option<String> {
-    let (lower, upper, cells) = refinement::cells_of(mesh)?;
-    let by = |numbers: Vec<String>| numbers.join(" × ");
-    let extent: Vec<f64> = lower
-        .iter()
-        .zip(upper)
-        .map(|(low, high)| high - low)
-        .collect();
-    let edges = extent
-        .iter()
-        .zip(cells)
-        .map(|(extent, &count)| extent / count as f64);
-    let nodes: usize = cells.iter().map(|count| count + 1).product();
-    let refined = refinement::nodes(&scene.coupler, &scene.grains);
-    let nodes = refined.map_or(nodes, |nodes| nodes.round() as usize);
-    Some(format!(
-        "fluid: {} m, {} cells of {} m, {}about {nodes} nodes and {} unknowns",
-        by(extent.iter().map(|x| format!("{x:.5e}")).collect()),
-        by(cells.iter().map(ToString::to_string).collect()),
-        by(edges.map(|x| format!("{x:.3e}")).collect()),
-        match refined {
-            Some(_) => "divided where cells are to be small, ",
-            None => "",
-        },
-        (cells.len() + 1) * nodes
-    ))
 }
 
 fn terms(scene: &Scene) -> Vec<String> {
