@@ -12,7 +12,7 @@ use validator::{complaint, plain};
 
 /// Keys that the program alone refuses, as they go with others or with what is there: sides, files, programs,
 /// room. Whole numbers are among them: 80.0 is one to JSON, and none to the program.
-const BEYOND: [&str; 33] = [
+const BEYOND: [&str; 35] = [
     "contact.sub_steps_max",
     "contact.sweeps_max",
     "coupling.adaptive.step_max",
@@ -20,6 +20,8 @@ const BEYOND: [&str; 33] = [
     "engines.fluid.command",
     "engines.particles.command",
     "fluid.boundaries",
+    "fluid.domain.box.cells",
+    "fluid.domain.box.upper",
     "fluid.domain.mesh",
     "fluid.domain.rectangle.cells",
     "fluid.domain.rectangle.upper",
@@ -81,7 +83,9 @@ pub fn agree(document: &Document, refused: &[String]) -> Result<(), String> {
         (Some(complaint), []) => Err(format!("refused by the schema alone: {complaint}")),
         (Some(_), _) => Ok(()),
         (None, _) => {
-            let unknown = |key: &&String| !BEYOND.contains(&unnamed(key).as_str());
+            let unknown = |key: &&String| {
+                !BEYOND.contains(&unnamed(key).as_str()) && !is_of_other_dimension(document, key)
+            };
             match refused.iter().find(unknown) {
                 Some(key) => Err(format!(
                     "{key} is refused by the program and taken by the schema"
@@ -90,6 +94,15 @@ pub fn agree(document: &Document, refused: &[String]) -> Result<(), String> {
             }
         }
     }
+}
+
+/// Is it a vector of another dimension than the scene's, which the schema does not know?
+fn is_of_other_dimension(document: &Document, key: &str) -> bool {
+    let numbers = document.value(key).and_then(|value| value.as_array());
+    numbers.is_some_and(|numbers| {
+        let count = numbers.len();
+        (2..=3).contains(&count) && count != scene::read::dimension(document)
+    })
 }
 
 /// A key without numbers of entries and names of sides.
