@@ -232,3 +232,101 @@ fn a_cloud_of_spheres_keeps_all_budgets() {
         "{across:?} beside {down}"
     );
 }
+
+/// Fall speed of a creeping cloud of radius 1 in a closed box of 16 × 32 × 16, without the slip of its own grains, in
+/// units c Δρ g R²/μ; nodes.
+fn creeping_fall(
+    fraction: f64,
+    count: usize,
+    size: f64,
+    (growth, largest): (f64, f64),
+) -> (f64, usize) {
+    let (excess, viscosity, density) = (1e-3, 1.0, 1e-3);
+    let gravity = [0.0, -1.0 / (fraction * excess), 0.0];
+    let fluid = fluid(
+        density,
+        viscosity,
+        gravity,
+        [-8.0, -16.0, -8.0],
+        [8.0, 16.0, 8.0],
+        [6, 12, 6],
+    );
+    let mut fluid = fine_ball(fluid, [0.0; 3], 1.5, (size, growth));
+    if let Some(sizes) = &mut fluid.refinement {
+        sizes.largest = Some(largest);
+    }
+    let scene = scene(Some(fluid), Some(particles(gravity)), 0.5, 3);
+    let radius = (fraction / count as f64).cbrt();
+    let centres = ball([0.0; 3], 1.0, count, 2.0 * radius);
+    let grains = spheres(&centres, &vec![radius; count], density + excess);
+    let mut coupling = couple_in_space(scene, &grains);
+    for _ in 0..3 {
+        advance(&mut coupling, 0.5);
+    }
+    let speed = -mean(numbers(&coupling.state.grains.velocity), 1);
+    // Dallavalle at rest: γ = ½ A 4.8² μ/(φ d) φ^−1.8, less the buoyancy that the porosity makes.
+    let porosity = 1.0 - fraction;
+    let gamma =
+        0.5 * PI * radius * radius * 4.8 * 4.8 * viscosity / (2.0 * radius) * porosity.powf(-2.8);
+    let weight = 4.0 / 3.0 * PI * radius.powi(3) / fraction;
+    let nodes = coupling
+        .system
+        .fluid()
+        .expect("a fluid")
+        .mesh
+        .node_position
+        .len();
+    (speed - weight / gamma, nodes)
+}
+
+/// Hadamard (1911) and Rybczyński (1911) for a drop of viscosity ratio φ, in a square duct of half width 8 to first
+/// order.
+fn expected_fall(fraction: f64) -> f64 {
+    let porosity = 1.0 - fraction;
+    let free = 2.0 / 3.0 * (1.0 + porosity) / (2.0 + 3.0 * porosity);
+    free * (1.0 - 1.9033 * 5.0 / 6.0 / 8.0)
+}
+
+/// `cargo test --release --workspace --test suite creeping_cloud -- --ignored --nocapture`
+#[test]
+#[ignore = "minutes"]
+fn a_creeping_cloud_of_spheres_falls_as_a_drop() {
+    println!("| c | N | cells | nodes | fall | against the drop |");
+    let far = (0.14, 1.1);
+    let mut table = Vec::new();
+    for halvings in [11.0, 12.0, 14.0] {
+        let size = 8.0 / 3.0 * f64::exp2(-halvings / 3.0);
+        let (fall, nodes) = creeping_fall(0.02, 20_000, size * (1.0 + 1e-9), far);
+        let error = fall / expected_fall(0.02) - 1.0;
+        println!(
+            "| 0.02 | 20000 | R/{:.2} | {nodes} | {fall:.5} | {:+.2} % |",
+            1.0 / size,
+            100.0 * error
+        );
+        table.push((size, error.abs()));
+    }
+    let [(coarse, first), (fine, last)] = [table[1], table[2]];
+    let share = (coarse / fine).powi(2) - 1.0;
+    let extrapolated = last - (first - last) / share;
+    println!(
+        "orders {:?}, extrapolated {:+.2} %",
+        orders(&table),
+        -100.0 * extrapolated
+    );
+    let mut falls = Vec::new();
+    for fraction in [0.02, 0.1, 0.2] {
+        let (fall, nodes) = creeping_fall(fraction, 30_000, 1.0 / 6.0 * (1.0 + 1e-9), (0.28, 2.2));
+        let ratio = fall / expected_fall(fraction);
+        println!(
+            "| {fraction} | 30000 | R/6 | {nodes} | {fall:.5} | {:+.2} % |",
+            100.0 * (ratio - 1.0)
+        );
+        falls.push(ratio);
+    }
+    assert!(last < 0.015 && extrapolated.abs() < 0.005);
+    assert!(
+        falls
+            .iter()
+            .all(|ratio| (ratio / falls[0] - 1.0).abs() < 0.01)
+    );
+}

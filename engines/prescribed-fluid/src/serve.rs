@@ -60,7 +60,7 @@ impl FluidEngine for Engine {
         } = &scene.mesh
         else {
             return refuse(
-                "prescribed-fluid takes [fluid.domain] rectangle, not a mesh file".into(),
+                "prescribed-fluid takes [fluid.domain] rectangle, not a box or a mesh file".into(),
             );
         };
         let plane = |vector: &[f64]| fixed(vector).map_err(unusable_scene);

@@ -8,9 +8,8 @@ use protocol::scene::{Diagonals, Geometry, MeshSource};
 use space::{Dim, Dimension};
 
 use crate::flat_walls::{between, cross, polygon, tube};
-use crate::grains::Random;
 use crate::keys::{Coupling, Domain, Pattern, WallKeys};
-use crate::mesh_file::Mesh;
+use crate::mesh::Mesh;
 
 /// The sides that a scene is on in the plane: names of the boundaries of a rectangle, two an axis.
 const SIDES: [&str; 6] = ["left", "right", "bottom", "top", "back", "front"];
@@ -71,8 +70,8 @@ pub trait Scenic<const D: usize>: Dimension<D> {
     /// Its mean over radii that are uniformly distributed between two.
     fn mean_grain(low: f64, high: f64) -> f64;
 
-    /// A point of a ball, every content with the same chance.
-    fn in_ball(centre: &[f64; D], radius: f64, random: &mut Random) -> [f64; D];
+    /// A point of a ball, every content with the same chance, from uniform numbers of [0, 1).
+    fn in_ball(centre: &[f64; D], radius: f64, unit: impl FnMut() -> f64) -> [f64; D];
 
     /// The cells of a scene's domain.
     fn cells(domain: &Domain) -> Option<Cells<D>>;
@@ -116,10 +115,10 @@ impl Scenic<2> for Dim<2> {
         PI * (low * low + low * high + high * high) / 3.0
     }
 
-    fn in_ball(centre: &[f64; 2], radius: f64, random: &mut Random) -> [f64; 2] {
+    fn in_ball(centre: &[f64; 2], radius: f64, mut unit: impl FnMut() -> f64) -> [f64; 2] {
         // Area grows with the square of the distance.
-        let distance = radius * random.unit().sqrt();
-        let angle = 2.0 * PI * random.unit();
+        let distance = radius * unit().sqrt();
+        let angle = 2.0 * PI * unit();
         [
             centre[0] + distance * angle.cos(),
             centre[1] + distance * angle.sin(),
@@ -213,11 +212,11 @@ impl Scenic<3> for Dim<3> {
         PI / 3.0 * (low + high) * (low * low + high * high)
     }
 
-    fn in_ball(centre: &[f64; 3], radius: f64, random: &mut Random) -> [f64; 3] {
+    fn in_ball(centre: &[f64; 3], radius: f64, mut unit: impl FnMut() -> f64) -> [f64; 3] {
         // Volume grows with the cube of the distance, the area of a sphere with height along an axis.
-        let distance = radius * random.unit().cbrt();
-        let height = 2.0 * random.unit() - 1.0;
-        let angle = 2.0 * PI * random.unit();
+        let distance = radius * unit().cbrt();
+        let height = 2.0 * unit() - 1.0;
+        let angle = 2.0 * PI * unit();
         let across = (1.0 - height * height).sqrt();
         let direction = [across * angle.cos(), height, across * angle.sin()];
         std::array::from_fn(|axis| centre[axis] + distance * direction[axis])

@@ -20,6 +20,7 @@ pub mod keys;
 mod load;
 mod mean_flow;
 mod memory;
+mod mesh;
 pub mod mesh_file;
 pub mod mesh_survey;
 mod outline;

@@ -3,50 +3,16 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use gmsh::{Border, Options, survey};
+use gmsh::{Border, Options};
 use protocol::scene::{Boundary, MeshSource, Profile, fixed};
-use space::{Dim, Dimension, Vector, dot, hypot, simplex};
+use space::{Dim, Dimension, Vector, dot, hypot};
 
 use crate::boundaries::{self, mean_of};
 use crate::check::Checker;
 use crate::dimensions::Scenic;
 use crate::keys::{Domain, Fluid};
+use crate::mesh::Mesh;
 use crate::outline::Facet;
-
-/// What a scene needs to know of a mesh.
-#[derive(Debug, Clone)]
-pub struct Mesh<const D: usize> {
-    /// Coordinates of each node \[m\].
-    position: Vec<Vector<D>>,
-    /// The boundary.
-    borders: Vec<Border<D>>,
-    /// What was read otherwise than written.
-    notes: Vec<String>,
-    /// Longest side over shortest height, and the number of that element.
-    aspect: (f64, u64),
-    /// Edge of a cube as large as D! of its largest simplex \[m\].
-    pub largest_cell: f64,
-}
-
-impl<const D: usize> Mesh<D> {
-    /// Of a mesh as it was read.
-    pub fn of<const N: usize>(mesh: &gmsh::Mesh<D, N>) -> Mesh<D>
-    where
-        Dim<D>: Dimension<D>,
-    {
-        let size =
-            |nodes: &[usize; N]| simplex::determinant(&nodes.map(|n| mesh.position[n])).abs();
-        let largest = mesh.simplices.iter().map(size).fold(0.0, f64::max);
-        let quality = survey::quality(mesh);
-        Mesh {
-            position: mesh.position.clone(),
-            borders: mesh.borders.clone(),
-            notes: mesh.notes.clone(),
-            aspect: (quality.aspect, quality.longest),
-            largest_cell: simplex::cube_edge::<D>(largest),
-        }
-    }
-}
 
 /// Largest share of what crosses the boundary of a closed domain that may be left over, as for an engine.
 const LEFT_OVER_MAX: f64 = 0.01;

@@ -11,7 +11,7 @@ use crate::dimensions::{Cells, Scenic};
 use crate::grains::GrainTable;
 use crate::keys::{Fluid, RefinementKeys, SceneFile};
 use crate::memory;
-use crate::mesh_file::Mesh;
+use crate::mesh::Mesh;
 
 const KEY: &str = "fluid.refinement";
 /// Margin of cells near grains that is left out, in cells.

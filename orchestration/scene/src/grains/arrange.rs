@@ -34,7 +34,7 @@ where
 {
     fn sample(&self, grain_radius: f64, random: &mut Random) -> [f64; D] {
         match self {
-            Region::Ball { centre, radius } => Dim::<D>::in_ball(centre, *radius, random),
+            Region::Ball { centre, radius } => Dim::<D>::in_ball(centre, *radius, || random.unit()),
             Region::Box {
                 lower,
                 upper,

@@ -15,5 +15,4 @@ mod table;
 pub use file::of_run;
 pub use generate::generate;
 pub(crate) use neighbours::Neighbours;
-pub use random::Random;
 pub use table::GrainTable;

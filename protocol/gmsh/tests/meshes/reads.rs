@@ -242,3 +242,63 @@ fn a_survey_tells_groups_sizes_and_qualities() {
     let square = survey::quality(&parse(TEXT_22));
     assert!((square.aspect - 2.0).abs() < 1e-14);
 }
+
+/// Volume of the tetrahedra, and the area of each border.
+fn in_space(name: &str) -> (Mesh<3, 4>, f64, Vec<(String, f64)>) {
+    let mesh = Mesh::<3, 4>::read(&file(name), &Options::default());
+    let mesh = mesh.unwrap_or_else(|error| panic!("{error}"));
+    println!(
+        "{name}: {} simplices; {:?}",
+        mesh.simplices.len(),
+        mesh.notes
+    );
+    let corners = mesh.simplices.iter().map(|t| t.map(|n| mesh.position[n]));
+    let volumes: Vec<f64> = corners.map(|corners| determinant(&corners) / 6.0).collect();
+    assert!(volumes.iter().all(|volume| *volume > 0.0));
+    let area = |nodes: &[usize; 3]| {
+        let [a, b, c] = nodes.map(|node| mesh.position[node]);
+        0.5 * (b - a).cross(&(c - a)).norm()
+    };
+    let borders = mesh.borders.iter().map(|border| {
+        let size = border.facets.iter().map(area).sum();
+        (border.labels.join("+"), size)
+    });
+    let borders = borders.collect();
+    let volume = volumes.iter().sum();
+    (mesh, volume, borders)
+}
+
+#[test]
+fn a_box_of_any_cells_is_a_box_of_tetrahedra_with_its_sides() {
+    let of_cells = [
+        ("box-tetrahedra.msh", 1),
+        ("box-tetrahedra-2.2.msh", 1),
+        ("box-second-order.msh", 1),
+        ("box-prisms.msh", 3),
+        ("box-hexahedra.msh", 6),
+    ];
+    for (name, parts) in of_cells {
+        let (mesh, volume, borders) = in_space(name);
+        assert!((volume - 6.0).abs() < 1e-12, "{name}: {volume}");
+        assert_eq!(borders.len(), 6, "{borders:?}");
+        for (side, size) in &borders {
+            let expected = match side.as_str() {
+                "floor" | "lid" => 2.0,
+                "side at 0 1" | "side at 1 1" => 6.0,
+                _ => 3.0,
+            };
+            assert!((size - expected).abs() < 1e-12, "{name} {side}: {size}");
+        }
+        if parts == 1 {
+            continue;
+        }
+        // All parts of a cell are there, and its faces are cut alike from both sides: else it would not be read.
+        let mut elements = mesh.element.clone();
+        elements.dedup();
+        assert_eq!(mesh.simplices.len(), parts * elements.len(), "{name}");
+        let survey = survey::groups::<3>(&File::read(&file(name)).expect("a file"));
+        let filled = survey.iter().find(|group| group.dimension == 3);
+        let size = filled.expect("a volume").size;
+        assert!((size - 6.0).abs() < 1e-12, "{name}: {size}");
+    }
+}
