@@ -6,7 +6,7 @@ use protocol::scene::{AdaptiveStep, Geometry, MeanFlow, Nonlinear, Scheme};
 
 use space::{Dim, Dimension, Vector, hypot};
 
-use crate::dimensions::{Cells, Scenic, axes};
+use crate::dimensions::{Cells, Scenic, axes, is_along};
 use crate::document::Document;
 use crate::keys::{Contact, Coupling, Domain, Fluid, GrainDomain, LimitKeys, Numbers, SceneFile};
 use crate::keys::{SIDES, WallKeys};
@@ -14,7 +14,6 @@ use crate::memory;
 use crate::problem::Problem;
 use crate::read::nearest;
 use crate::record;
-use crate::walls::is_along;
 
 /// Collects the problems of a scene.
 pub struct Checker<'a> {

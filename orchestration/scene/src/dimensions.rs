@@ -5,7 +5,7 @@ use std::path::Path;
 
 use gmsh::Options;
 use protocol::scene::{Diagonals, Geometry, MeshSource};
-use space::{Dim, Dimension};
+use space::{Dim, Dimension, Vector, dot, hypot};
 
 use crate::flat_walls::{between, cross, polygon, tube};
 use crate::keys::{Coupling, Domain, Pattern, WallKeys};
@@ -30,6 +30,12 @@ pub fn axes<const D: usize>() -> impl Iterator<Item = (usize, &'static str)> {
 pub fn words(point: &[f64]) -> String {
     let numbers: Vec<String> = point.iter().map(|x| format!("{x:e}")).collect();
     format!("({})", numbers.join(", "))
+}
+
+/// Does a velocity lead along a boundary with this normal, but for round-off?
+pub fn is_along<const D: usize>(velocity: &[f64; D], normal: &Vector<D>) -> bool {
+    let velocity = Vector::from(*velocity);
+    dot(&velocity, normal).abs() <= 1e-6 * hypot(&velocity)
 }
 
 /// A rectangle or box of cells.
@@ -331,8 +337,6 @@ impl Scenic<3> for Dim<3> {
 
 #[cfg(test)]
 mod tests {
-    use space::Vector;
-
     use super::*;
 
     #[test]

@@ -6,10 +6,10 @@ use protocol::scene::{Boundary, GrainBoundary, Profile, Wall, fixed};
 use space::Dim;
 
 use crate::check::Checker;
-use crate::dimensions::{Cells, Corners, Scenic, sides, words};
+use crate::dimensions::{Cells, Corners, Scenic, is_along, sides, words};
 use crate::keys::{DefaultWalls, GrainDomain, SIDES, SceneFile};
 use crate::outline::{Facet, Outline};
-use crate::walls::{is_along, meets};
+use crate::walls::meets;
 
 /// The sides of a scene with a fluid.
 pub struct Sides<'a, const D: usize> {

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use protocol::scene::{Boundary, GrainBoundary, Profile, Wall};
-use space::{Dim, Vector, dot, hypot};
+use space::{Dim, Vector};
 
 use crate::check::Checker;
-use crate::dimensions::{Cells, Scenic, sides};
+use crate::dimensions::{Cells, Scenic, is_along, sides};
 use crate::keys::{DefaultWalls, GrainDomain, SIDES, SceneFile};
 
 /// The rectangle or box in which grains move, with what its sides are.
@@ -128,12 +128,6 @@ fn wall_velocity<const D: usize>(condition: &Boundary, normal: Vector<D>) -> Opt
         }
         _ => None,
     }
-}
-
-/// Does a velocity lead along a boundary with this normal, but for round-off?
-pub fn is_along<const D: usize>(velocity: &[f64; D], normal: &Vector<D>) -> bool {
-    let velocity = Vector::from(*velocity);
-    dot(&velocity, normal).abs() <= 1e-6 * hypot(&velocity)
 }
 
 /// Of a side of a rectangle or box, into it.
