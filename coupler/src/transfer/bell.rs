@@ -55,18 +55,41 @@ impl Bell {
         })
     }
 
-    /// Its points from the centre \[m\] and their weights, which do not sum to one; line by line.
-    pub fn points<const D: usize>(self) -> impl Iterator<Item = (Vector<D>, f64)> {
-        let ratio = self.radius / self.spacing;
-        let rings = ratio as i64;
-        let side = 2 * rings + 1;
-        (0..side.pow(D as u32)).filter_map(move |number| {
-            let at: [i64; D] =
-                std::array::from_fn(|axis| number / side.pow(axis as u32) % side - rings);
-            let square: i64 = at.iter().map(|x| x * x).sum();
-            let height = 1.0 - square as f64 / (ratio * ratio);
-            let point = || vector::from_fn(|axis| at[axis] as f64 * self.spacing);
-            (height > 0.0).then(|| (point(), height * height))
-        })
+    /// Between neighbours of its lattice \[m\].
+    pub fn spacing(&self) -> f64 {
+        self.spacing
     }
+}
+
+/// The lattice of a bell, which is the same for all with the same R over the spacing.
+#[derive(Debug, Default)]
+pub struct Lattice<const D: usize> {
+    ratio: f64,
+    points: Vec<(Vector<D>, f64)>,
+}
+
+impl<const D: usize> Lattice<D> {
+    /// The points of a bell from the centre, in spacings, and their weights, which do not sum to one; line by line.
+    pub fn of(&mut self, bell: &Bell) -> &[(Vector<D>, f64)] {
+        let ratio = bell.radius / bell.spacing;
+        if ratio != self.ratio {
+            self.ratio = ratio;
+            self.points.clear();
+            self.points.extend(points(ratio));
+        }
+        &self.points
+    }
+}
+
+fn points<const D: usize>(ratio: f64) -> impl Iterator<Item = (Vector<D>, f64)> {
+    let rings = ratio as i64;
+    let side = 2 * rings + 1;
+    (0..side.pow(D as u32)).filter_map(move |number| {
+        let at: [i64; D] =
+            std::array::from_fn(|axis| number / side.pow(axis as u32) % side - rings);
+        let square: i64 = at.iter().map(|x| x * x).sum();
+        let height = 1.0 - square as f64 / (ratio * ratio);
+        let point = || vector::from_fn(|axis| at[axis] as f64);
+        (height > 0.0).then(|| (point(), height * height))
+    })
 }

@@ -16,7 +16,7 @@ use std::cell::OnceCell;
 use space::{Dim, Dimension, Period, Vector};
 
 use crate::error::CouplerError;
-use crate::transfer::bell::Bell;
+use crate::transfer::bell::{Bell, Lattice};
 use crate::transfer::locate::Locator;
 use crate::transfer::mesh::Mesh;
 use crate::transfer::neighbours::Neighbours;
@@ -76,7 +76,7 @@ where
     /// Find grains (positions and radii \[m\]) on the mesh.
     pub fn place(&self, positions: &[Vector<D>], radii: &[f64]) -> Result<Placement, CouplerError> {
         let mut placement = Placement::with_capacity(positions.len(), N * positions.len());
-        let mut gather = None;
+        let (mut gather, mut lattice) = (None, Lattice::default());
         for (grain, (point, &radius)) in positions.iter().zip(radii).enumerate() {
             let centre = self.locator.locate(grain, point)?;
             let mut cell = 0.0;
@@ -87,7 +87,8 @@ where
                 None => placement.push(&centre.nodes, centre.weights),
                 Some(bell) => {
                     let gather = gather.get_or_insert_with(|| Gather::new(self.node_count()));
-                    gather.spread(bell, &centre, self.ground(), &mut placement);
+                    let points = lattice.of(&bell);
+                    gather.spread((bell, points), &centre, self.ground(), &mut placement);
                 }
             }
         }

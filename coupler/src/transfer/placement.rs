@@ -82,12 +82,12 @@ impl Gather {
         }
     }
 
-    /// Spread a grain whose centre is there. Each point is sought from the one before it, or from the
+    /// Spread a grain whose centre is there over points, told in spacings of its bell. Each point is sought from the one before it, or from the
     /// centre where that is nearer or a wall came between; one that is never reached (`path`) leaves its
     /// weight to the others.
     pub fn spread<const D: usize, const N: usize>(
         &mut self,
-        bell: Bell,
+        (bell, points): (Bell, &[(Vector<D>, f64)]),
         centre: &Stencil<N>,
         ground: Ground<'_, D, N>,
         placement: &mut Placement,
@@ -99,7 +99,8 @@ impl Gather {
             point: ground.locator.point(centre),
         };
         let mut last: Option<(Spot<D>, Vector<D>)> = None;
-        for (offset, weight) in bell.points::<D>() {
+        for (point, weight) in points {
+            let offset = point * bell.spacing();
             let near = last.and_then(|(spot, at)| {
                 let by = offset - at;
                 let nearer = by.norm_squared() < offset.norm_squared();
@@ -110,7 +111,11 @@ impl Gather {
                 continue;
             };
             last = (!end.thrown_back).then_some((end.spot, offset));
-            self.add(ground.locator.nodes(end.spot.simplex), &end.weights, weight);
+            self.add(
+                ground.locator.nodes(end.spot.simplex),
+                &end.weights,
+                *weight,
+            );
         }
         let gathered = |&node: &u32| self.weight[node as usize];
         let total: f64 = self.touched.iter().map(gathered).sum();
