@@ -6,7 +6,7 @@ use protocol::scene::{AdaptiveStep, Geometry, MeanFlow, Nonlinear, Scheme};
 
 use space::{Dim, Dimension, Vector, hypot};
 
-use crate::dimensions::{Cells, Scenic, axes, is_along};
+use crate::dimensions::{Cells, Scenic, axes, is_along, sides};
 use crate::document::Document;
 use crate::keys::{Contact, Coupling, Domain, Fluid, GrainDomain, LimitKeys, Numbers, SceneFile};
 use crate::keys::{SIDES, WallKeys};
@@ -277,14 +277,9 @@ impl<'a> Checker<'a> {
         let key = cells.key;
         self.corners(key, &cells.lower, &cells.upper);
         if cells.cells.contains(&0) {
-            let names: Vec<&str> = axes::<D>().map(|(_, name)| name).collect();
-            let names = names
-                .join(", ")
-                .replace("x, y", if D == 2 { "x and y" } else { "x, y" });
-            self.refuse(
-                &format!("{key}.cells"),
-                format!("must be 1 or more in {names}"),
-            );
+            let names = ["x and y", "x, y, z"][D - 2];
+            let why = format!("must be 1 or more in {names}");
+            self.refuse(&format!("{key}.cells"), why);
         }
         let nodes = cells.cells.iter().map(|&count| count as f64 + 1.0);
         if let Some(why) = memory::refusal("nodes", nodes.product(), memory::NODE) {
@@ -306,8 +301,8 @@ impl<'a> Checker<'a> {
         self.corners("particles.domain", &domain.lower, &domain.upper);
         for (index, side) in domain.open.iter().enumerate() {
             if !SIDES[..2 * D].contains(side) {
-                let known: Vec<&str> = SIDES[..2 * D].iter().map(|side| side.name()).collect();
-                let why = format!("is no side here (allowed: {})", known.join(", "));
+                let known = sides::<D>().join(", ");
+                let why = format!("is no side here (allowed: {known})");
                 self.refuse(&format!("particles.domain.open[{index}]"), why);
             }
         }

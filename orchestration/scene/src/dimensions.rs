@@ -7,11 +7,11 @@ use gmsh::Options;
 use protocol::scene::{Diagonals, Geometry, MeshSource};
 use space::{Dim, Dimension, Vector, dot, hypot};
 
-use crate::flat_walls::{between, cross, polygon, tube};
+use crate::flat_walls::{polygon, tube};
 use crate::keys::{Coupling, Domain, Pattern, WallKeys};
 use crate::mesh::Mesh;
 
-/// The sides that a scene is on in the plane: names of the boundaries of a rectangle, two an axis.
+/// Names of the sides of a box, two an axis; a rectangle has the first four.
 const SIDES: [&str; 6] = ["left", "right", "bottom", "top", "back", "front"];
 /// Names of the axes.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
@@ -304,10 +304,9 @@ impl Scenic<3> for Dim<3> {
             let crosses = (a[2] > *z) != (b[2] > *z);
             inside ^= crosses && *y < a[1] + (z - a[2]) / (b[2] - a[2]) * (b[1] - a[1]);
         }
-        let [a, b, c] = facet;
-        let normal = cross(&between(a, b), &between(a, c));
-        let away = between(a, &[*x, *y, *z]);
-        let height: f64 = (0..3).map(|k| normal[k] * away[k]).sum();
+        let corners = facet.map(Vector::from);
+        let normal = <Dim<3>>::facet_normal(&corners);
+        let height = dot(&normal, &(Vector::from([*x, *y, *z]) - corners[0]));
         inside && height * normal[0] < 0.0
     }
 

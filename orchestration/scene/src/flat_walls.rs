@@ -2,27 +2,12 @@
 
 use std::f64::consts::PI;
 
+use space::{Dim, Dimension, Vector, dot, hypot};
+
 use crate::keys::Cylinder;
 
 /// Corners of a triangle \[m\].
 type Triangle = [[f64; 3]; 3];
-
-/// From a point to another.
-pub fn between(from: &[f64; 3], to: &[f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|k| to[k] - from[k])
-}
-
-/// a × b
-pub fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|k| {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        a[i] * b[j] - a[j] * b[i]
-    })
-}
-
-fn length(a: &[f64; 3]) -> f64 {
-    a.iter().fold(0.0, |sum, x| f64::hypot(sum, *x))
-}
 
 /// How far corners may be from one plane, of their distances.
 const FLAT: f64 = 1e-9;
@@ -42,13 +27,13 @@ pub fn polygon(corners: &[[f64; 3]]) -> Result<Vec<Triangle>, String> {
         .windows(2)
         .map(|pair| [*first, pair[0], pair[1]])
         .collect();
-    let normal = |[a, b, c]: &Triangle| cross(&between(a, b), &between(a, c));
+    let normal = |facet: &Triangle| <Dim<3>>::facet_normal(&facet.map(Vector::from));
     let whole = normal(&facets[0]);
-    let size = length(&whole);
+    let size = hypot(&whole);
     for facet in &facets {
         let own = normal(facet);
-        let along: f64 = (0..3).map(|k| own[k] * whole[k]).sum();
-        if !(along > 0.0 && length(&cross(&own, &whole)) <= FLAT * length(&own) * size) {
+        let along = dot(&own, &whole);
+        if !(along > 0.0 && hypot(&own.cross(&whole)) <= FLAT * hypot(&own) * size) {
             let place = format!("{:?}", facet[2]);
             return Err(format!(
                 "must be those of a flat convex polygon, one after the other; the one at {place} m is not"
@@ -60,39 +45,25 @@ pub fn polygon(corners: &[[f64; 3]]) -> Result<Vec<Triangle>, String> {
 
 /// Sides of a tube, grains inside.
 pub fn tube(cylinder: &Cylinder) -> Result<Vec<Triangle>, String> {
-    let axis = between(&cylinder.from, &cylinder.to);
-    let far = length(&axis);
-    let finite = [&cylinder.from, &cylinder.to]
-        .iter()
-        .all(|end| end.iter().all(|x| x.is_finite()));
+    let [from, to] = [cylinder.from, cylinder.to].map(Vector::from);
+    let far = hypot(&(to - from));
+    let finite = from.iter().chain(&to).all(|x| x.is_finite());
     if !(finite && far > 0.0 && cylinder.radius > 0.0 && cylinder.radius.is_finite()) {
         return Err("needs two different ends and a radius above 0 (m)".to_owned());
     }
     if !(3..=4096).contains(&cylinder.sides) {
         return Err(format!("has {} sides, must have 3 to 4096", cylinder.sides));
     }
-    let normal = axis.map(|x| x / far);
-    let least = (0..3).fold(0, |least, k| {
-        if normal[k].abs() < normal[least].abs() {
-            k
-        } else {
-            least
-        }
-    });
-    let mut other = [0.0; 3];
-    other[least] = 1.0;
-    let u = cross(&normal, &other);
-    let u = u.map(|x| x / length(&u));
-    let v = cross(&normal, &u);
+    let [_, u, v] = <Dim<3>>::frame(&((to - from) / far));
     let step = 2.0 * PI / cylinder.sides as f64;
     let reach = cylinder.radius / (0.5 * step).cos();
-    let corner = |end: &[f64; 3], k: usize| -> [f64; 3] {
+    let corner = |end: &Vector<3>, k: usize| -> [f64; 3] {
         let (sin, cos) = (step * (k % cylinder.sides) as f64).sin_cos();
-        std::array::from_fn(|d| end[d] + reach * (cos * u[d] + sin * v[d]))
+        (end + (u * cos + v * sin) * reach).into()
     };
     let side = |k: usize| {
-        let [a, b] = [k, k + 1].map(|k| corner(&cylinder.from, k));
-        let [c, d] = [k + 1, k].map(|k| corner(&cylinder.to, k));
+        let [a, b] = [k, k + 1].map(|k| corner(&from, k));
+        let [c, d] = [k + 1, k].map(|k| corner(&to, k));
         [[a, b, c], [a, c, d]]
     };
     Ok((0..cylinder.sides).flat_map(side).collect())
@@ -100,8 +71,6 @@ pub fn tube(cylinder: &Cylinder) -> Result<Vec<Triangle>, String> {
 
 #[cfg(test)]
 mod tests {
-    use space::{Dim, Dimension, Vector};
-
     use super::*;
 
     #[test]

@@ -192,20 +192,9 @@ where
 {
     let of_border = |border: &Border<D>| -> Vec<Facet<D>> {
         let boundary = border.name(&has_condition);
-        let facet = |nodes: &[usize; D]| {
-            let mut corners = nodes.map(|node| mesh.position[node]);
-            // The file's normals point outward: in space its corners are seen clockwise from outside.
-            let (out, inward) = (
-                Dim::<D>::facet_normal(&corners),
-                Dim::<D>::inward_normal(&corners),
-            );
-            if dot(&out, &inward) > 0.0 {
-                corners.swap(0, 1);
-            }
-            Facet {
-                corners: corners.map(|corner| corner.into()),
-                boundary: boundary.to_owned(),
-            }
+        let facet = |nodes: &[usize; D]| Facet {
+            corners: nodes.map(|node| mesh.position[node].into()),
+            boundary: boundary.to_owned(),
         };
         border.facets.iter().map(facet).collect()
     };

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use protocol::scene::{CouplerScene, MeshSource, NearGrains, REGIONS_MAX, Refinement, Region};
 
-use space::Dim;
+use space::{Dim, simplex};
 
 use crate::check::Checker;
 use crate::dimensions::{Cells, Scenic};
@@ -49,12 +49,17 @@ impl RefinementKeys {
 }
 
 /// H: edge of a cube (in the plane a square) as large as a cell \[m\].
-fn root(extent: &[f64], cells: &[usize]) -> f64 {
-    let edges = extent
-        .iter()
-        .zip(cells)
-        .map(|(extent, &count)| extent / count as f64);
-    edges.product::<f64>().powf(1.0 / extent.len() as f64)
+pub fn root(lower: &[f64], upper: &[f64], cells: &[usize]) -> f64 {
+    let edges = (0..cells.len()).map(|axis| (upper[axis] - lower[axis]) / cells[axis] as f64);
+    edge_of(edges.product(), cells.len())
+}
+
+/// Edge of a cube or square of this content \[m\].
+fn edge_of(content: f64, dimension: usize) -> f64 {
+    match dimension {
+        3 => simplex::cube_edge::<3>(content),
+        _ => simplex::cube_edge::<2>(content),
+    }
 }
 
 /// Cells that are made where this size is asked for: H 2^(−k/D) \[m\].
@@ -131,10 +136,7 @@ pub fn check<const D: usize>(
             "a rectangle is refined from cells of one size: leave it out, or fluid.refinement",
         );
     }
-    let of_cells = |cells: &Cells<D>| {
-        let extent: [f64; D] = std::array::from_fn(|d| cells.upper[d] - cells.lower[d]);
-        root(&extent, &cells.cells)
-    };
+    let of_cells = |cells: &Cells<D>| root(&cells.lower, &cells.upper, &cells.cells);
     let all_alike = cells.is_some();
     let root = cells
         .as_ref()
@@ -226,7 +228,7 @@ pub fn nodes(scene: &CouplerScene, grains: &GrainTable) -> Option<f64> {
         .collect();
     let d = extent.len();
     let domain: f64 = extent.iter().product();
-    let root = root(&extent, cells);
+    let root = root(lower, upper, cells);
     let largest = made(root, asked.largest.unwrap_or(root), d);
     let density = |size: f64| size.powi(-(d as i32));
     let mut nodes = domain * density(largest);
@@ -257,7 +259,7 @@ pub fn nodes(scene: &CouplerScene, grains: &GrainTable) -> Option<f64> {
     }
     if let Some(near) = scene.near_grains {
         let content = (zone(&near, grains) as f64 * near.margin.powi(d as i32)).min(domain);
-        let edge = content.powf(1.0 / d as f64);
+        let edge = edge_of(content, d);
         add(near.size, &vec![edge; d], 0.0);
     }
     Some(nodes)

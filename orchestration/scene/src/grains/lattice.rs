@@ -46,10 +46,10 @@ where
 
     /// How far rows are shifted against each other at most, in pitches.
     fn shift(&self, axis: usize) -> f64 {
-        let shifts = [0, 1].map(|odd| Dim::<D>::shift(self.lattice.pattern, &[odd; D])[axis]);
-        let one = std::array::from_fn(|k| usize::from(k == UP));
-        let alone = Dim::<D>::shift(self.lattice.pattern, &one)[axis];
-        shifts.into_iter().fold(alone, f64::max)
+        // Even and odd rows along every axis.
+        let rows = (0..1 << D).map(|bits: usize| std::array::from_fn(|k| bits >> k & 1));
+        let shifts = rows.map(|row| Dim::<D>::shift(self.lattice.pattern, &row)[axis]);
+        shifts.fold(0.0, f64::max)
     }
 
     /// Distance along an axis, of that between neighbours.

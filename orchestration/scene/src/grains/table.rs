@@ -46,11 +46,16 @@ impl GrainTable {
 
     /// Content of all grains: the area of disks \[m²\], in space the volume of spheres \[m³\].
     pub fn content(&self) -> f64 {
-        let content = |radius: &f64| match self.dimension {
-            3 => <Dim<3>>::grain(*radius),
-            _ => <Dim<2>>::grain(*radius),
-        };
-        self.radius.iter().map(content).sum()
+        (0..self.len()).map(|grain| self.content_of(grain)).sum()
+    }
+
+    /// That of a grain.
+    pub fn content_of(&self, grain: usize) -> f64 {
+        let radius = self.radius[grain];
+        match self.dimension {
+            3 => <Dim<3>>::grain(radius),
+            _ => <Dim<2>>::grain(radius),
+        }
     }
 
     /// The table as CSV: x,y,radius,density,vx,vy,fixed, in space with z and vz; numbers read back to the same

@@ -12,23 +12,10 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 pub struct Numbers<T, const D: usize>(pub [T; D]);
 
 /// What a vector is to an editor, in whichever dimension the scene is.
-pub struct Numeric;
+pub type Numeric = Numbers<f64, 3>;
+
 fn list(items: Schema) -> Schema {
     json_schema!({ "type": "array", "items": items, "minItems": 2, "maxItems": 3 })
-}
-
-impl JsonSchema for Numeric {
-    fn schema_name() -> std::borrow::Cow<'static, str> {
-        "Numeric".into()
-    }
-
-    fn inline_schema() -> bool {
-        true
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        list(generator.subschema_for::<f64>())
-    }
 }
 
 impl<T: Copy + Default, const D: usize> Default for Numbers<T, D> {

@@ -85,20 +85,6 @@ pub const SIDES: [Side; 6] = [
     Side::Front,
 ];
 
-impl Side {
-    /// As it is written.
-    pub fn name(self) -> &'static str {
-        match self {
-            Side::Left => "left",
-            Side::Right => "right",
-            Side::Bottom => "bottom",
-            Side::Top => "top",
-            Side::Back => "back",
-            Side::Front => "front",
-        }
-    }
-}
-
 /// A wall: in the plane a segment, grains stay on the left of from → to; in space a flat one with these corners,
 /// grains stay on the side from which they are seen clockwise, or a round one, with grains inside.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -12,11 +12,9 @@ use protocol::scene::{
     Boundary, CREEPING_REYNOLDS, Convection, LUMPED_RATIO_MAX, MeanFlow, MeshSource, Scheme, Wall,
 };
 use serde::Serialize;
-use space::Dim;
 use space::grid::SPARE;
 
 use super::cost::Cost;
-use crate::dimensions::Scenic;
 use crate::grains::{GrainTable, Neighbours};
 use crate::refinement;
 use crate::scene::Scene;
@@ -155,13 +153,7 @@ fn reynolds(scene: &Scene) -> f64 {
     let grains = &scene.grains;
     let excess: f64 = (0..grains.len())
         .filter(|&grain| !grains.fixed[grain] && scene.coupler.reaction)
-        .map(|grain| {
-            let content = match scene.dimension() {
-                3 => <Dim<3>>::grain(grains.radius[grain]),
-                _ => <Dim<2>>::grain(grains.radius[grain]),
-            };
-            content * (grains.density[grain] - fluid.density).abs()
-        })
+        .map(|grain| grains.content_of(grain) * (grains.density[grain] - fluid.density).abs())
         .sum();
     let weight = excess * size(&fluid.gravity);
     let driven = weight / (4.0 * std::f64::consts::PI * fluid.dynamic_viscosity * depth(grains));
@@ -317,13 +309,11 @@ fn spreading(scene: &Scene) -> Option<(Choice, bool)> {
             false,
         ));
     };
-    let edges = (0..cells.len()).map(|axis| (upper[axis] - lower[axis]) / cells[axis] as f64);
-    let mean = edges.product::<f64>().powf(1.0 / cells.len() as f64);
     let grading = match &fluid.mesh {
         MeshSource::Rectangle { grading, .. } => grading.iter().product::<f64>().sqrt(),
         _ => 1.0,
     };
-    let cell = mean / grading;
+    let cell = refinement::root(lower, upper, cells) / grading;
     let diameter = 2.0 * scene.grains.radius.iter().copied().fold(0.0, f64::max);
     let ratio = diameter / cell;
     let spread = ratio > LUMPED_RATIO_MAX;
