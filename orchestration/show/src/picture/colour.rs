@@ -40,6 +40,34 @@ pub fn fluid(share: f64) -> Rgb {
     between(&ANCHORS, share)
 }
 
+/// Steps of the table of [`FluidColours`].
+const STEPS: usize = 1023;
+
+/// Colours of a fluid's speeds, made once for all pixels.
+pub struct FluidColours {
+    shares: Vec<Rgb>,
+    per_speed: f64,
+}
+
+impl FluidColours {
+    /// With this speed \[m/s\] the deepest one.
+    pub fn new(speed_max: f64) -> FluidColours {
+        let share = |step: usize| fluid(step as f64 / STEPS as f64);
+        FluidColours {
+            shares: (0..=STEPS).map(share).collect(),
+            per_speed: match speed_max > 0.0 {
+                true => STEPS as f64 / speed_max,
+                false => 0.0,
+            },
+        }
+    }
+
+    /// That of a speed \[m/s\].
+    pub fn of(&self, speed: f64) -> Rgb {
+        self.shares[((speed * self.per_speed) as usize).min(STEPS)]
+    }
+}
+
 /// Colour of a share between 0 and 1 of a grain's speed where there is no fluid.
 pub fn dry(share: f64) -> Rgb {
     between(&DRY_ANCHORS, share)

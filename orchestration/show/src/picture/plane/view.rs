@@ -2,7 +2,7 @@
 
 use super::{Stage, State};
 use crate::picture::canvas::Canvas;
-use crate::picture::colour::{self, INK, Rgb};
+use crate::picture::colour::{FluidColours, INK, Rgb};
 use crate::simplices::clip;
 
 /// Where a window of the plane lies on the paper.
@@ -86,14 +86,7 @@ impl View {
         let Some((mesh, nodal)) = state.flow(stage) else {
             return;
         };
-        let shares: Vec<Rgb> = (0..=1023)
-            .map(|i| colour::fluid(f64::from(i) / 1023.0))
-            .collect();
-        let per_speed = if speed_max > 0.0 {
-            1023.0 / speed_max
-        } else {
-            0.0
-        };
+        let colours = FluidColours::new(speed_max);
         for triangle in &mesh.simplices {
             let corners = triangle.map(|point| self.place(mesh.points[point as usize]));
             let velocity = triangle.map(|point| {
@@ -104,7 +97,7 @@ impl View {
                 let along =
                     |axis: usize| (0..3).map(|c| weights[c] * velocity[c][axis]).sum::<f64>();
                 let speed = along(0).hypot(along(1));
-                canvas.blend(x, y, shares[((speed * per_speed) as usize).min(1023)], 1.0);
+                canvas.blend(x, y, colours.of(speed), 1.0);
             });
         }
     }

@@ -6,7 +6,7 @@ use super::{Stage, State};
 use crate::cut::{Cut, level};
 use crate::outline::{corners, edges};
 use crate::picture::canvas::Canvas;
-use crate::picture::colour::{self, GREY, INK, Rgb};
+use crate::picture::colour::{FluidColours, GREY, INK};
 use crate::simplices::{Corners, Point, clip};
 
 /// A box as its camera sees it.
@@ -151,15 +151,7 @@ impl View {
         let Some((mesh, nodal)) = state.flow(stage) else {
             return;
         };
-        let shares: Vec<Rgb> = (0..=1023)
-            .map(|i| colour::fluid(f64::from(i) / 1023.0))
-            .collect();
-        let per_speed = if speed_max > 0.0 {
-            1023.0 / speed_max
-        } else {
-            0.0
-        };
-        let paint = |speed: f64| shares[((speed * per_speed) as usize).min(1023)];
+        let colours = FluidColours::new(speed_max);
         let (low, high) = self.sight.shown;
         let height = cut_level(stage, state);
         let cut = Cut::of(mesh, 2, height);
@@ -171,7 +163,7 @@ impl View {
                 raster.triangle(
                     points.map(|point| self.sight.camera.see(point)),
                     velocity,
-                    paint,
+                    |speed| colours.of(speed),
                 );
             }
         }
