@@ -38,6 +38,7 @@ const TYPED: [&str; 3] = ["solid_power", "reynolds", "convection"];
 pub type Engine = PlaneOrSpace<Fluid<2, 3>, Fluid<3, 4>>;
 
 /// The same in `D` dimensions.
+#[derive(Default)]
 pub struct Fluid<const D: usize, const N: usize>
 where
     Dim<D>: Dimension<D>,
@@ -45,18 +46,6 @@ where
     solver: Option<FluidSolver<D, N>>,
     /// How its mesh follows, where the scene asks for that.
     refined: Option<Refined<D, N>>,
-}
-
-impl<const D: usize, const N: usize> Default for Fluid<D, N>
-where
-    Dim<D>: Dimension<D>,
-{
-    fn default() -> Self {
-        Fluid {
-            solver: None,
-            refined: None,
-        }
-    }
 }
 
 /// `main` of the engine's process.

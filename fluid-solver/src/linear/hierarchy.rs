@@ -180,7 +180,7 @@ fn lexicographic<const D: usize>(position: &[Vector<D>]) -> Vec<u32> {
 }
 
 /// The rank of each node in an order.
-fn inverse(order: &[u32]) -> Vec<u32> {
+pub(super) fn inverse(order: &[u32]) -> Vec<u32> {
     let mut rank = vec![0; order.len()];
     for (k, &node) in order.iter().enumerate() {
         rank[node as usize] = k as u32;

@@ -12,7 +12,7 @@
 
 use space::{Dim, Dimension, Vector};
 
-use super::hierarchy::Hierarchy;
+use super::hierarchy::{Hierarchy, inverse};
 use super::krylov;
 use super::measure;
 use super::multigrid::{Multigrid, Smoothers};
@@ -127,10 +127,7 @@ where
     /// The matrix in the order of rows.
     fn copy(&mut self, system: &System<N>) {
         let (hierarchy, uniform) = (&self.hierarchy, self.uniform);
-        let mut rank = vec![0_u32; hierarchy.order.len()];
-        for (row, &node) in hierarchy.order.iter().enumerate() {
-            rank[node as usize] = row as u32;
-        }
+        let rank = inverse(&hierarchy.order);
         let mut next = hierarchy.rows.start.clone();
         let blocks = &mut self.matrices.finest().blocks;
         for (column, &node) in hierarchy.order.iter().enumerate() {

@@ -133,10 +133,10 @@ impl View {
                 lower,
                 upper,
                 cells,
-            } => {
-                let alike = (Diagonals::Uniform, &[1.0; 3][..]);
-                (None, Some((lower, upper, cells, alike.0, alike.1)))
-            }
+            } => (
+                None,
+                Some((lower, upper, cells, Diagonals::Uniform, &[1.0; 3][..])),
+            ),
         };
         let cells: Vec<u64> = rectangle.map_or_else(Vec::new, |(_, _, cells, ..)| {
             cells.iter().map(|&cells| cells as u64).collect()

@@ -47,16 +47,12 @@ impl<'a, const D: usize, const N: usize> Kernel<'a, D, N> {
         matrix: &mut GroupMatrix<N>,
         right: &mut GroupRight<N>,
     ) {
-        let kernel = self;
-        match matrix_too {
-            true => self.wide.run(Blocks {
-                kernel,
-                g,
-                matrix,
-                right,
-            }),
-            false => self.wide.run(OnlyRight { kernel, g, right }),
-        }
+        self.wide.run(Blocks {
+            kernel: self,
+            g,
+            matrix: matrix_too.then_some(matrix),
+            right,
+        });
     }
 
     /// What the terms of the energy identity are in these groups, with this velocity,
@@ -78,11 +74,11 @@ impl<'a, const D: usize, const N: usize> Kernel<'a, D, N> {
     }
 }
 
-/// Blocks and right-hand side of a group.
+/// Right-hand side of a group, and its blocks where they are wanted.
 struct Blocks<'a, const D: usize, const N: usize> {
     kernel: &'a Kernel<'a, D, N>,
     g: usize,
-    matrix: &'a mut GroupMatrix<N>,
+    matrix: Option<&'a mut GroupMatrix<N>>,
     right: &'a mut GroupRight<N>,
 }
 
@@ -101,40 +97,19 @@ impl<const D: usize, const N: usize> Task for Blocks<'_, D, N> {
         if records.are_clear(&group.nodes) {
             let clear = ClearFluid::gather(terms, records, group);
             clear.right(terms, self.right);
-            clear.matrix(terms, self.matrix);
-        } else {
-            let porous = Porous::gather(terms, records, group);
-            let sums = Sums::new::<true>(terms, &porous);
-            sums.right(&porous, self.right);
-            sums.matrix(terms, &porous, self.matrix);
+            if let Some(matrix) = self.matrix {
+                clear.matrix(terms, matrix);
+            }
+            return;
         }
-    }
-}
-
-/// The right-hand side of a group.
-struct OnlyRight<'a, const D: usize, const N: usize> {
-    kernel: &'a Kernel<'a, D, N>,
-    g: usize,
-    right: &'a mut GroupRight<N>,
-}
-
-impl<const D: usize, const N: usize> Task for OnlyRight<'_, D, N> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Kernel {
-            terms,
-            mesh,
-            records,
-            ..
-        } = self.kernel;
-        let group = Group::gather(mesh, self.g);
-        if records.are_clear(&group.nodes) {
-            ClearFluid::gather(terms, records, group).right(terms, self.right);
-        } else {
-            let porous = Porous::gather(terms, records, group);
-            Sums::new::<false>(terms, &porous).right(&porous, self.right);
+        let porous = Porous::gather(terms, records, group);
+        match self.matrix {
+            Some(matrix) => {
+                let sums = Sums::new::<true>(terms, &porous);
+                sums.right(&porous, self.right);
+                sums.matrix(terms, &porous, matrix);
+            }
+            None => Sums::new::<false>(terms, &porous).right(&porous, self.right),
         }
     }
 }
