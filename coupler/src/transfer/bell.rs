@@ -81,12 +81,18 @@ impl<const D: usize> Lattice<D> {
     }
 }
 
+/// Each next to the one before it as far as that can be: every second line, and every second plane of lines, runs
+/// backwards.
 fn points<const D: usize>(ratio: f64) -> impl Iterator<Item = (Vector<D>, f64)> {
     let rings = ratio as i64;
     let side = 2 * rings + 1;
     (0..side.pow(D as u32)).filter_map(move |number| {
-        let at: [i64; D] =
-            std::array::from_fn(|axis| number / side.pow(axis as u32) % side - rings);
+        let at: [i64; D] = std::array::from_fn(|axis| {
+            let lines = number / side.pow(axis as u32);
+            let along = lines % side;
+            let backwards = lines / side % 2 == 1;
+            (if backwards { side - 1 - along } else { along }) - rings
+        });
         let square: i64 = at.iter().map(|x| x * x).sum();
         let height = 1.0 - square as f64 / (ratio * ratio);
         let point = || vector::from_fn(|axis| at[axis] as f64);

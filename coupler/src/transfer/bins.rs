@@ -29,6 +29,15 @@ impl<const D: usize> Bins<D> {
         }
     }
 
+    /// Lower and upper corner of a bin \[m\].
+    pub fn bounds(&self, bin: &[usize; D]) -> [Vector<D>; 2] {
+        let corner = |shift: usize| {
+            let along = |axis: usize| self.size[axis] * (bin[axis] + shift) as f64;
+            self.lower + vector::from_fn(along)
+        };
+        [corner(0), corner(1)]
+    }
+
     /// Lower corner of the box \[m\].
     pub fn lower(&self) -> &Vector<D> {
         &self.lower
@@ -52,6 +61,11 @@ impl<const D: usize> Bins<D> {
         boxes(first, last).map(move |bin| self.number(bin))
     }
 
+    /// All bins, by their numbers.
+    pub fn all(&self) -> impl Iterator<Item = [usize; D]> + use<D> {
+        boxes([0; D], self.counts.map(|count| count - 1))
+    }
+
     /// Numbers of the bins at this distance (in bins) from one.
     pub fn ring(&self, centre: [usize; D], distance: usize) -> impl Iterator<Item = usize> + '_ {
         let first = centre.map(|bin| bin.saturating_sub(distance));
@@ -64,9 +78,49 @@ impl<const D: usize> Bins<D> {
             .map(move |bin| self.number(bin))
     }
 
-    fn number(&self, bin: [usize; D]) -> usize {
+    /// Number of a bin.
+    pub fn number(&self, bin: [usize; D]) -> usize {
         let along = (0..D).rev();
         along.fold(0, |number, axis| number * self.counts[axis] + bin[axis])
+    }
+}
+
+/// Bins, each with what reaches into it.
+#[derive(Debug)]
+pub struct Lists<const D: usize> {
+    /// The bins.
+    pub bins: Bins<D>,
+    /// Members of bin b: `members[start[b]..start[b + 1]]`.
+    start: Vec<usize>,
+    members: Vec<u32>,
+}
+
+impl<const D: usize> Lists<D> {
+    /// Sort members by their boxes, from the lower to the upper corner \[m\].
+    pub fn new(bins: Bins<D>, boxes: &[(Vector<D>, Vector<D>)], members: &[u32]) -> Lists<D> {
+        let mut sorted = vec![Vec::new(); bins.count()];
+        for &member in members {
+            let (low, high) = &boxes[member as usize];
+            for bin in bins.range(bins.of(low), bins.of(high)) {
+                sorted[bin].push(member);
+            }
+        }
+        let mut start = vec![0];
+        start.extend(sorted.iter().scan(0, |count, bin| {
+            *count += bin.len();
+            Some(*count)
+        }));
+        let members = sorted.concat();
+        Lists {
+            bins,
+            start,
+            members,
+        }
+    }
+
+    /// What reaches into a bin, in the order it was given.
+    pub fn members(&self, bin: usize) -> &[u32] {
+        &self.members[self.start[bin]..self.start[bin + 1]]
     }
 }
 

@@ -75,20 +75,26 @@ where
 
     /// Find grains (positions and radii \[m\]) on the mesh.
     pub fn place(&self, positions: &[Vector<D>], radii: &[f64]) -> Result<Placement, CouplerError> {
+        let points = positions.iter().enumerate();
+        let centres = points.map(|(grain, point)| self.locator.locate(grain, point));
+        let centres = centres.collect::<Result<Vec<_>, _>>()?;
+        // near ones after each other: the simplices around them are still at hand
+        let mut order: Vec<usize> = (0..centres.len()).collect();
+        order.sort_by_key(|&grain| centres[grain].simplex);
         let mut placement = Placement::with_capacity(positions.len(), N * positions.len());
         let (mut gather, mut lattice) = (None, Lattice::default());
-        for (grain, (point, &radius)) in positions.iter().zip(radii).enumerate() {
-            let centre = self.locator.locate(grain, point)?;
+        for grain in order {
+            let centre = &centres[grain];
             let mut cell = 0.0;
             for (&node, &weight) in centre.nodes.iter().zip(&centre.weights) {
                 cell += self.cell[node as usize] * weight;
             }
-            match Bell::of::<D>(radius, cell) {
-                None => placement.push(&centre.nodes, centre.weights),
+            match Bell::of::<D>(radii[grain], cell) {
+                None => placement.set(grain, &centre.nodes, centre.weights),
                 Some(bell) => {
                     let gather = gather.get_or_insert_with(|| Gather::new(self.node_count()));
-                    let points = lattice.of(&bell);
-                    gather.spread((bell, points), &centre, self.ground(), &mut placement);
+                    let bell = (bell, lattice.of(&bell));
+                    gather.spread(grain, bell, centre, self.ground(), &mut placement);
                 }
             }
         }

@@ -1,11 +1,13 @@
 //! Where grains are on the mesh: the simplex around a point and its linear shape functions.
 
-use space::{Dim, Dimension, Period, Vector, periodic, simplex, vector};
+use space::{Dim, Dimension, Period, Vector, periodic, simplex, simplex::Shape, vector};
 
 use crate::error::{CouplerError, place};
-use crate::transfer::bins::Bins;
+use crate::transfer::bins::{Bins, Lists};
 use crate::transfer::mesh::Mesh;
 
+/// A bin that more simplices reach into is divided: where a mesh is graded, cells are much smaller than most bins.
+const CROWDED: usize = 48;
 /// Bins looked into around that of a point: beyond, it is outside the mesh.
 const RINGS: usize = 3;
 
@@ -23,12 +25,12 @@ pub struct Stencil<const N: usize> {
 /// The simplices of a mesh by bins, each bin with those that reach into it.
 #[derive(Debug)]
 pub struct Locator<const D: usize, const N: usize> {
-    bins: Bins<D>,
-    /// Simplices of bin b: `members[start[b]..start[b + 1]]`.
-    start: Vec<usize>,
-    members: Vec<u32>,
+    coarse: Lists<D>,
+    /// The bins of a bin that is crowded.
+    fine: Vec<Option<Lists<D>>>,
     simplices: Vec<[u32; N]>,
     corners: Vec<[Vector<D>; N]>,
+    shapes: Vec<Shape<D>>,
     period: Period<D>,
     /// How far outside the mesh a point may lie \[m\]: one simplex.
     outside_max: f64,
@@ -47,24 +49,22 @@ where
             (lower, upper) = (lower.inf(low), upper.sup(high));
             outside_max = outside_max.max((high - low).max());
         }
-        let bins = Bins::new(lower, upper, mesh.corners.len());
-        let mut sorted = vec![Vec::new(); bins.count()];
-        for (index, (low, high)) in bounds.iter().enumerate() {
-            for bin in bins.range(bins.of(low), bins.of(high)) {
-                sorted[bin].push(index as u32);
-            }
-        }
-        let mut start = vec![0];
-        start.extend(sorted.iter().scan(0, |count, bin| {
-            *count += bin.len();
-            Some(*count)
-        }));
+        let every: Vec<u32> = (0..mesh.corners.len() as u32).collect();
+        let bins = Bins::new(lower, upper, every.len());
+        let coarse = Lists::new(bins, &bounds, &every);
+        let fine = coarse.bins.all().enumerate().map(|(number, bin)| {
+            let members = coarse.members(number);
+            (members.len() > CROWDED).then(|| {
+                let [lower, upper] = coarse.bins.bounds(&bin);
+                Lists::new(Bins::new(lower, upper, members.len()), &bounds, members)
+            })
+        });
         Locator {
-            bins,
-            start,
-            members: sorted.concat(),
+            fine: fine.collect(),
+            coarse,
             simplices: mesh.simplices.clone(),
             corners: mesh.corners.clone(),
+            shapes: mesh.corners.iter().map(Shape::new).collect(),
             period: mesh.period,
             outside_max,
         }
@@ -95,15 +95,27 @@ where
     /// The stencil of the nearest point of the mesh, and the distance to it \[m\]; infinite where there is
     /// none around.
     fn nearest(&self, point: &Vector<D>) -> (f64, Stencil<N>) {
-        let inside = periodic::into_box(point, self.bins.lower(), &self.period);
-        let centre = self.bins.of(&inside);
+        let bins = &self.coarse.bins;
+        let inside = periodic::into_box(point, bins.lower(), &self.period);
+        let bin = bins.of(&inside);
+        let number = bins.number(bin);
+        let here = match &self.fine[number] {
+            Some(fine) => fine.members(fine.bins.number(fine.bins.of(&inside))),
+            None => self.coarse.members(number),
+        };
+        // nearly always it is in one of those that reach into its bin; only elsewhere distances matter
+        for &index in here {
+            let weights = self.weights(index, &inside);
+            if simplex::is_inside(&weights) {
+                return (0.0, self.stencil(index, simplex::clip(&weights)));
+            }
+        }
         let mut nearest = (f64::INFINITY, 0, [0.0; N]);
-        for bin in (0..RINGS).flat_map(|ring| self.bins.ring(centre, ring)) {
-            for &index in &self.members[self.start[bin]..self.start[bin + 1]] {
-                let (weights, distance) = simplex::project(&self.corners[index as usize], &inside);
-                if distance == 0.0 {
-                    return (0.0, self.stencil(index, weights));
-                }
+        for bin in (0..RINGS).flat_map(|ring| bins.ring(bin, ring)) {
+            for &index in self.coarse.members(bin) {
+                let corners = &self.corners[index as usize];
+                let weights = self.weights(index, &inside);
+                let (weights, distance) = simplex::project(&weights, corners, &inside);
                 if distance < nearest.0 {
                     nearest = (distance, index, weights);
                 }
@@ -138,6 +150,12 @@ where
     /// The corner nodes of a simplex.
     pub fn nodes(&self, simplex: u32) -> &[u32; N] {
         &self.simplices[simplex as usize]
+    }
+
+    /// Shape functions of a simplex at a point in its coordinates, outside of it too.
+    #[inline(always)]
+    pub fn weights(&self, simplex: u32, point: &Vector<D>) -> [f64; N] {
+        self.shapes[simplex as usize].weights(point)
     }
 
     /// The point of a stencil, in the coordinates of its simplex \[m\].

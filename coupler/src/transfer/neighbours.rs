@@ -1,5 +1,7 @@
 //! What lies behind each facet of a simplex: another one, or nothing.
 
+use std::collections::BTreeMap;
+
 use space::{Dim, Dimension, Period, Vector, periodic, simplex};
 
 use crate::transfer::locate::Locator;
@@ -16,11 +18,18 @@ pub struct Behind<const D: usize> {
     pub shift: Vector<D>,
 }
 
+/// No simplex.
+const NONE: u32 = u32::MAX;
+/// Bit of a simplex that lies across a period.
+const SHIFTED: u32 = 1 << 31;
+
 /// Simplices across each facet.
 #[derive(Debug)]
 pub struct Neighbours<const D: usize, const N: usize> {
-    /// Behind facet k, opposite to corner k; none: the boundary.
-    behind: Vec<[Option<Behind<D>>; N]>,
+    /// Behind facet k, opposite to corner k; with `SHIFTED` where a period lies between. `NONE`: the boundary.
+    behind: Vec<[u32; N]>,
+    /// Shifts of those, by simplex and facet.
+    shifts: BTreeMap<(u32, usize), Vector<D>>,
 }
 
 /// A facet of one simplex, as it is matched.
@@ -44,7 +53,8 @@ where
             .flat_map(|index| (0..N).map(move |opposite| facet(mesh, index, opposite)))
             .collect();
         facets.sort_by_key(|facet| (facet.nodes, facet.simplex, facet.opposite));
-        let mut behind = vec![[None; N]; count];
+        let mut behind = vec![[NONE; N]; count];
+        let mut shifts = BTreeMap::new();
         for alike in facets.chunk_by(|a, b| a.nodes == b.nodes) {
             for (place, a) in alike.iter().enumerate() {
                 for b in &alike[place + 1..] {
@@ -52,21 +62,36 @@ where
                         continue;
                     };
                     let mut join = |from: &Facet<D>, to: &Facet<D>, shift: Vector<D>| {
-                        let simplex = to.simplex;
-                        behind[from.simplex as usize][from.opposite] =
-                            Some(Behind { simplex, shift });
+                        let slot = &mut behind[from.simplex as usize][from.opposite];
+                        *slot = to.simplex;
+                        if shift != Vector::<D>::zeros() {
+                            *slot |= SHIFTED;
+                            shifts.insert((from.simplex, from.opposite), shift);
+                        }
                     };
                     join(a, b, shift);
                     join(b, a, -shift);
                 }
             }
         }
-        Neighbours { behind }
+        Neighbours { behind, shifts }
     }
 
     /// What lies behind the facet opposite to this corner; none: the boundary.
-    pub fn behind(&self, simplex: u32, opposite: usize) -> Option<&Behind<D>> {
-        self.behind[simplex as usize][opposite].as_ref()
+    #[inline]
+    pub fn behind(&self, simplex: u32, opposite: usize) -> Option<Behind<D>> {
+        let behind = self.behind[simplex as usize][opposite];
+        if behind == NONE {
+            return None;
+        }
+        let shift = match behind & SHIFTED {
+            0 => Vector::zeros(),
+            _ => self.shifts[&(simplex, opposite)],
+        };
+        Some(Behind {
+            simplex: behind & !SHIFTED,
+            shift,
+        })
     }
 }
 

@@ -7,8 +7,6 @@ use crate::transfer::neighbours::Neighbours;
 
 /// Simplices that a path may cross.
 const CROSSED_MAX: usize = 10_000;
-/// Barycentric tolerance of being inside.
-const INSIDE: f64 = -1e-12;
 
 /// A point of the mesh, in the coordinates of its simplex.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,9 +56,8 @@ where
         let (mut simplex, mut start) = (from.simplex, from.point);
         let (mut end, mut thrown_back) = (start + by, false);
         for _ in 0..CROSSED_MAX {
-            let corners = &self.locator.corners()[simplex as usize];
-            let weights = simplex::weights(corners, &end);
-            if weights.iter().all(|&weight| weight >= INSIDE) {
+            let weights = self.locator.weights(simplex, &end);
+            if simplex::is_inside(&weights) {
                 let spot = Spot {
                     simplex,
                     point: end,
@@ -71,7 +68,7 @@ where
                     thrown_back,
                 });
             }
-            let (facet, share) = way_out(&simplex::weights(corners, &start), &weights);
+            let (facet, share) = way_out(&self.locator.weights(simplex, &start), &weights);
             match self.neighbours.behind(simplex, facet) {
                 Some(behind) => {
                     simplex = behind.simplex;
@@ -80,16 +77,26 @@ where
                 }
                 None => {
                     start += (end - start) * share;
+                    let corners = &self.locator.corners()[simplex as usize];
                     match rim {
                         Rim::ThrowsBack => end -= beyond(corners, facet, weights[facet]) * 2.0,
                         // inside, but for round-off
-                        Rim::Stops => return Some(stop(simplex, corners, start)),
+                        Rim::Stops => return Some(self.stop(simplex, start)),
                     }
                     thrown_back = true;
                 }
             }
         }
         None
+    }
+
+    /// The end of a path at a point of a simplex.
+    fn stop(&self, simplex: u32, point: Vector<D>) -> End<D, N> {
+        End {
+            spot: Spot { simplex, point },
+            weights: self.locator.weights(simplex, &point),
+            thrown_back: false,
+        }
     }
 }
 
@@ -100,27 +107,11 @@ enum Rim {
     Stops,
 }
 
-/// The end of a path at a point of a simplex.
-fn stop<const D: usize, const N: usize>(
-    simplex: u32,
-    corners: &[Vector<D>; N],
-    point: Vector<D>,
-) -> End<D, N>
-where
-    Dim<D>: Dimension<D>,
-{
-    End {
-        spot: Spot { simplex, point },
-        weights: simplex::weights(corners, &point),
-        thrown_back: false,
-    }
-}
-
 /// The facet through which a path leaves a simplex, and at which share of its length, by the shape
 /// functions at its ends.
 fn way_out<const N: usize>(start: &[f64; N], end: &[f64; N]) -> (usize, f64) {
     let mut first = (0, f64::INFINITY);
-    for k in (0..N).filter(|&k| end[k] < INSIDE) {
+    for k in (0..N).filter(|&k| end[k] < simplex::INSIDE) {
         let inside = start[k].max(0.0);
         let share = inside / (inside - end[k]);
         if share < first.1 {

@@ -9,29 +9,17 @@ use crate::transfer::path::{Ground, Spot};
 /// Where a set of grains is on the mesh. The weights of a grain are ≥ 0 and sum to one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placement {
-    /// Entries of grain i: `start[i]..start[i + 1]`.
-    start: Vec<usize>,
+    /// First and one past the last entry of every grain.
+    span: Vec<[usize; 2]>,
     nodes: Vec<u32>,
     weights: Vec<f64>,
 }
 
-impl Default for Placement {
-    fn default() -> Placement {
-        Placement {
-            start: vec![0],
-            nodes: Vec::new(),
-            weights: Vec::new(),
-        }
-    }
-}
-
 impl Placement {
-    /// Of no grain yet; there is room for grains of this many nodes in all.
+    /// Of this many grains, which are all still to be set; there is room for this many nodes in all.
     pub fn with_capacity(grains: usize, nodes: usize) -> Placement {
-        let mut start = Vec::with_capacity(grains + 1);
-        start.push(0);
         Placement {
-            start,
+            span: vec![[0, 0]; grains],
             nodes: Vec::with_capacity(nodes),
             weights: Vec::with_capacity(nodes),
         }
@@ -39,14 +27,14 @@ impl Placement {
 
     /// Number of grains.
     pub fn grain_count(&self) -> usize {
-        self.start.len() - 1
+        self.span.len()
     }
 
     /// Nodes of a grain and their weights.
     #[inline]
     pub fn entries(&self, grain: usize) -> (&[u32], &[f64]) {
-        let range = self.start[grain]..self.start[grain + 1];
-        (&self.nodes[range.clone()], &self.weights[range])
+        let [begin, end] = self.span[grain];
+        (&self.nodes[begin..end], &self.weights[begin..end])
     }
 
     /// The same of a grain that is the point of one simplex: their number is known.
@@ -56,12 +44,13 @@ impl Placement {
         Some((nodes.try_into().ok()?, weights.try_into().ok()?))
     }
 
-    /// One more grain.
-    pub fn push(&mut self, nodes: &[u32], weights: impl IntoIterator<Item = f64>) {
+    /// Where a grain is; grains come in any order, each once.
+    pub fn set(&mut self, grain: usize, nodes: &[u32], weights: impl IntoIterator<Item = f64>) {
+        let begin = self.nodes.len();
         self.nodes.extend_from_slice(nodes);
         self.weights.extend(weights);
         debug_assert_eq!(self.nodes.len(), self.weights.len());
-        self.start.push(self.nodes.len());
+        self.span[grain] = [begin, self.nodes.len()];
     }
 }
 
@@ -82,11 +71,12 @@ impl Gather {
         }
     }
 
-    /// Spread a grain whose centre is there over points, told in spacings of its bell. Each point is sought from the one before it, or from the
+    /// Spread a grain, by its number, whose centre is there over points, told in spacings of its bell. Each point is sought from the one before it, or from the
     /// centre where that is nearer or a wall came between; one that is never reached (`path`) leaves its
     /// weight to the others.
     pub fn spread<const D: usize, const N: usize>(
         &mut self,
+        grain: usize,
         (bell, points): (Bell, &[(Vector<D>, f64)]),
         centre: &Stencil<N>,
         ground: Ground<'_, D, N>,
@@ -123,7 +113,7 @@ impl Gather {
             let gathered = std::mem::take(&mut self.weight[node as usize]);
             gathered / total
         });
-        placement.push(&self.touched, shares);
+        placement.set(grain, &self.touched, shares);
         self.touched.clear();
     }
 

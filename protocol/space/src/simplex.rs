@@ -19,7 +19,7 @@ pub struct Simplex<const D: usize, const N: usize> {
 }
 
 /// Barycentric tolerance of being inside.
-const INSIDE: f64 = -1e-12;
+pub const INSIDE: f64 = -1e-12;
 
 impl<const D: usize, const N: usize> Simplex<D, N>
 where
@@ -108,7 +108,47 @@ pub const fn facet_corners<const D: usize>(i: usize) -> [usize; D] {
     facet
 }
 
-/// N_i of a point, outside of the simplex too: the first is 1 minus the others.
+/// The shape functions of one simplex as they are evaluated at many points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shape<const D: usize> {
+    /// Corner 0 \[m\].
+    origin: Vector<D>,
+    /// ∇N_1 … ∇N_D \[1/m\]; the shape functions sum to one.
+    gradient: [Vector<D>; D],
+}
+
+impl<const D: usize> Shape<D>
+where
+    Dim<D>: Dimension<D>,
+{
+    /// Of the simplex with these corners.
+    pub fn new<const N: usize>(corners: &[Vector<D>; N]) -> Shape<D> {
+        let (cofactors, determinant) = (cofactors(corners), determinant(corners));
+        Shape {
+            origin: corners[0],
+            gradient: std::array::from_fn(|k| cofactors[k + 1].map(|n| n / determinant)),
+        }
+    }
+
+    /// N_i of a point, outside of the simplex too: the first is 1 minus the others.
+    #[inline(always)]
+    pub fn weights<const N: usize>(&self, point: &Vector<D>) -> [f64; N] {
+        const { assert!(N == D + 1, "a simplex has one corner more than dimensions") };
+        let from = point - self.origin;
+        let mut weights = [1.0; N];
+        for k in 0..D {
+            let mut weight = self.gradient[k][0] * from[0];
+            for d in 1..D {
+                weight += self.gradient[k][d] * from[d];
+            }
+            weights[k + 1] = weight;
+            weights[0] -= weight;
+        }
+        weights
+    }
+}
+
+/// N_i of a point, outside of the simplex too.
 #[inline]
 pub fn weights<const D: usize, const N: usize>(
     corners: &[Vector<D>; N],
@@ -117,33 +157,36 @@ pub fn weights<const D: usize, const N: usize>(
 where
     Dim<D>: Dimension<D>,
 {
-    let edges: [Vector<D>; D] = std::array::from_fn(|k| corners[k + 1] - corners[0]);
-    let determinant = Dim::<D>::determinant(&edges);
-    let mut weights = [1.0; N];
-    for k in 0..D {
-        let mut replaced = edges;
-        replaced[k] = point - corners[0];
-        weights[k + 1] = Dim::<D>::determinant(&replaced) / determinant;
-        weights[0] -= weights[k + 1];
-    }
-    weights
+    Shape::new(corners).weights(point)
 }
 
-/// N_i clipped to the simplex, and the distance of the point from it (an estimate: to the clipped
-/// point; exactly 0 inside, with a tolerance of 1e-12).
+/// Is a point with these shape functions inside, with a tolerance of 1e-12?
+#[inline(always)]
+pub fn is_inside<const N: usize>(weights: &[f64; N]) -> bool {
+    weights.iter().all(|&weight| weight >= INSIDE)
+}
+
+/// Shape functions of a point of the simplex near one that has these: none is negative, and they sum to one.
+#[inline(always)]
+pub fn clip<const N: usize>(weights: &[f64; N]) -> [f64; N] {
+    let clipped = weights.map(|weight| weight.max(0.0));
+    let sum: f64 = clipped.iter().sum();
+    clipped.map(|weight| weight / sum)
+}
+
+/// The shape functions `weights` of a point clipped to the simplex, and the distance of the point from it (an
+/// estimate: to the clipped point; exactly 0 inside).
 #[inline]
 pub fn project<const D: usize, const N: usize>(
+    weights: &[f64; N],
     corners: &[Vector<D>; N],
     point: &Vector<D>,
 ) -> ([f64; N], f64)
 where
     Dim<D>: Dimension<D>,
 {
-    let weights = weights(corners, point);
-    let clipped = weights.map(|weight| weight.max(0.0));
-    let sum: f64 = clipped.iter().sum();
-    let clipped = clipped.map(|weight| weight / sum);
-    if weights.iter().all(|&weight| weight >= INSIDE) {
+    let clipped = clip(weights);
+    if is_inside(weights) {
         return (clipped, 0.0);
     }
     let nearest = combine(&clipped, corners);

@@ -38,9 +38,9 @@ where
     for i in 0..N {
         prop_assert!((found[i] - inside[i]).abs() < 1e-9);
     }
-    prop_assert_eq!(project(&corners, &point).1, 0.0);
+    prop_assert_eq!(project(&found, &corners, &point).1, 0.0);
     let beyond = corners[0] + (corners[0] - point);
-    let (clipped, distance) = project(&corners, &beyond);
+    let (clipped, distance) = project(&weights(&corners, &beyond), &corners, &beyond);
     prop_assert!(distance > 0.0 && clipped.iter().all(|&weight| weight >= 0.0));
     Ok(())
 }
