@@ -41,7 +41,7 @@ where
     /// Fill a system; its matrix is left as it is when `matrix_too` is false.
     pub fn fill(&self, system: &mut System<N>, matrix_too: bool) {
         if matrix_too {
-            system.matrix.fill(0.0);
+            system.matrix.fill([[0.0; N]; N]);
         }
         system.right.fill(0.0);
         let kernel = Kernel::new(self.terms, self.mesh);

@@ -16,6 +16,7 @@ use super::hierarchy::{Hierarchy, inverse};
 use super::krylov;
 use super::measure;
 use super::multigrid::{Multigrid, Smoothers};
+use super::pattern::Block;
 use super::solver::{Krylov, LinearSolver, Solution};
 use super::system::System;
 use crate::boundary::Floating;
@@ -38,6 +39,16 @@ pub struct Starts {
     pub rest: Vec<f64>,
     /// What the solution may be near to.
     pub last: Vec<f64>,
+}
+
+/// Where an iteration is.
+struct Iterate {
+    x: Vec<f64>,
+    /// S(r − K x), and its norm.
+    residual: Vec<f64>,
+    left: f64,
+    /// What residuals are relative to.
+    reference: f64,
 }
 
 /// Solver of the systems on a mesh.
@@ -128,18 +139,21 @@ where
     fn copy(&mut self, system: &System<N>) {
         let (hierarchy, uniform) = (&self.hierarchy, self.uniform);
         let rank = inverse(&hierarchy.order);
-        let mut next = hierarchy.rows.start.clone();
+        let factors: Block<N> = uniform.map(|column| uniform.map(|row| column * row));
         let blocks = &mut self.matrices.finest().blocks;
-        for (column, &node) in hierarchy.order.iter().enumerate() {
-            let neighbours = system.pattern.neighbours(node as usize);
-            for (k, &other) in neighbours.iter().enumerate() {
-                let row = rank[other] as usize;
-                let mut block = system.block(node as usize, k);
-                for (c, values) in block.iter_mut().enumerate() {
-                    (0..N).for_each(|r| values[r] *= uniform[c] * uniform[r]);
+        let mut sorted: Vec<(u32, &Block<N>)> = Vec::new();
+        for (row, &node) in hierarchy.order.iter().enumerate() {
+            let (neighbours, own) = system.row(node as usize);
+            sorted.clear();
+            sorted.extend(neighbours.iter().map(|&other| rank[other]).zip(own));
+            sorted.sort_unstable_by_key(|&(column, _)| column);
+            let slots = &mut blocks[hierarchy.rows.range(row)];
+            for (slot, &(column, block)) in slots.iter_mut().zip(&sorted) {
+                let mut block = *block;
+                for (values, factors) in block.iter_mut().zip(&factors) {
+                    (0..N).for_each(|r| values[r] *= factors[r]);
                 }
-                blocks[next[row] as usize] = hierarchy.unknowns.fix(row, column, &block);
-                next[row] += 1;
+                *slot = hierarchy.unknowns.fix(row, column as usize, &block);
             }
         }
     }
@@ -159,16 +173,16 @@ where
         given: &[f64],
         starts: Option<&Starts>,
     ) -> Result<Solution, FluidError> {
-        let (mut x, reference) = self.begin(system, given, starts);
+        let mut begin = self.begin(system, given, starts);
         let mut krylov = Krylov::default();
         let mut left = f64::INFINITY;
         for number in 0..self.stages.len() {
             if self.prepare(number) {
-                let (iterations, reached) = self.iterate(system, &mut x, number, reference);
+                let (iterations, reached) = self.iterate(system, &mut begin, number);
                 krylov.iterations += iterations;
                 left = reached;
                 if left <= TOLERANCE {
-                    return Ok(self.solution(system, x, krylov));
+                    return Ok(self.solution(system, begin.x, krylov));
                 }
             }
             krylov.fallbacks += 1;
@@ -178,25 +192,29 @@ where
     }
 
     /// The start of the least residual, and what residuals are relative to.
-    fn begin(&self, system: &System<N>, given: &[f64], starts: Option<&Starts>) -> (Vec<f64>, f64) {
+    fn begin(&self, system: &System<N>, given: &[f64], starts: Option<&Starts>) -> Iterate {
         let known = given.iter().zip(&self.fixed);
         let known = known.map(|(&v, &fixed)| if fixed { v } else { 0.0 });
-        let mut x: Vec<f64> = known.collect();
-        let mut least = norm(&self.residual(system, &x));
-        let mut reference = least;
-        if let Some(Starts { rest, last }) = starts {
-            let rest = self.shifted(rest, given);
-            let of_rest = norm(&self.residual(system, &rest));
-            reference = least.min(of_rest).max(REST_LEAST * least);
-            let last = self.shifted(last, given);
-            let of_last = norm(&self.residual(system, &last));
-            for (start, residual) in [(rest, of_rest), (last, of_last)] {
-                if residual < least {
-                    (x, least) = (start, residual);
-                }
-            }
-        }
-        (x, reference)
+        let known: Vec<f64> = known.collect();
+        let begin = |x: Vec<f64>, residual: Vec<f64>, reference: f64| Iterate {
+            left: norm(&residual),
+            x,
+            residual,
+            reference,
+        };
+        let Some(Starts { rest, last }) = starts else {
+            let [residual] = self.residuals(system, [&known]);
+            let reference = norm(&residual);
+            return begin(known, residual, reference);
+        };
+        let (rest, last) = (self.shifted(rest, given), self.shifted(last, given));
+        let residuals = self.residuals(system, [&known, &rest, &last]);
+        let [of_known, of_rest, _] = residuals.each_ref().map(|residual| norm(residual));
+        let reference = of_known.min(of_rest).max(REST_LEAST * of_known);
+        let starts = [known, rest, last].into_iter().zip(residuals);
+        let starts = starts.map(|(x, residual)| begin(x, residual, reference));
+        let least = starts.reduce(|best, next| if next.left < best.left { next } else { best });
+        least.expect("three starts")
     }
 
     fn solution(&self, system: &System<N>, x: Vec<f64>, krylov: Krylov) -> Solution {
@@ -209,23 +227,17 @@ where
         }
     }
 
-    /// Iterate from x on; returns iterations and the residual reached, relative to the reference.
-    fn iterate(
-        &mut self,
-        system: &System<N>,
-        x: &mut [f64],
-        stage: usize,
-        reference: f64,
-    ) -> (usize, f64) {
+    /// Iterate from where it is; returns iterations and the residual reached, relative to the reference.
+    fn iterate(&mut self, system: &System<N>, at: &mut Iterate, stage: usize) -> (usize, f64) {
         let most = match self.hierarchy.levels.is_empty() {
             true => ITERATIONS_ALONE_MAX,
             false => ITERATIONS_MAX,
         };
+        let reference = at.reference;
         let goal = TOLERANCE * reference;
         let mut iterations = 0;
         loop {
-            let residual = self.residual(system, x);
-            let left = norm(&residual);
+            let left = at.left;
             if left <= goal || left.is_nan() {
                 let relative = if left == 0.0 { 0.0 } else { left / reference };
                 return (iterations, relative);
@@ -239,7 +251,7 @@ where
                 return (iterations, left / reference);
             };
             let matrices = &mut self.matrices;
-            let mut unscaled = vec![0.0; x.len()];
+            let mut unscaled = vec![0.0; at.x.len()];
             let precondition = |v: &[f64], z: &mut [f64]| {
                 let pairs = v.iter().zip(scale);
                 (unscaled.iter_mut().zip(pairs)).for_each(|(slot, (v, s))| *slot = v / s);
@@ -265,29 +277,34 @@ where
                 }
             };
             let (step, reached) = krylov::solve(
-                residual,
+                std::mem::take(&mut at.residual),
                 0.9 * goal,
                 most - iterations,
                 precondition,
                 multiply,
             );
+            at.x.iter_mut().zip(&step).for_each(|(x, step)| *x += step);
+            [at.residual] = self.residuals(system, [&at.x]);
+            at.left = norm(&at.residual);
             if reached.iterations == 0 {
                 return (iterations, left / reference);
             }
             iterations += reached.iterations;
-            x.iter_mut().zip(&step).for_each(|(x, step)| *x += step);
         }
     }
 
-    /// S(r − K x), 0 where the unknown is fixed.
-    fn residual(&self, system: &System<N>, x: &[f64]) -> Vec<f64> {
-        let mut residual = system.right.clone();
+    /// S(r − K x) of several x, 0 where the unknown is fixed.
+    fn residuals<const K: usize>(&self, system: &System<N>, x: [&[f64]; K]) -> [Vec<f64>; K] {
+        let mut residuals: [Vec<f64>; K] = std::array::from_fn(|_| system.right.clone());
         let product = &system.pattern;
-        product.subtract_product(&system.matrix, x, &mut residual);
-        for (k, value) in residual.iter_mut().enumerate() {
-            *value *= if self.fixed[k] { 0.0 } else { self.scale[k] };
+        let slots = residuals.each_mut().map(|residual| residual.as_mut_slice());
+        product.subtract_products(&system.matrix, x, slots);
+        for residual in &mut residuals {
+            for (k, value) in residual.iter_mut().enumerate() {
+                *value *= if self.fixed[k] { 0.0 } else { self.scale[k] };
+            }
         }
-        residual
+        residuals
     }
 
     /// A start with the given unknowns of `given`, the pressure of a closed part level with that given there.
@@ -382,7 +399,8 @@ mod tests {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             f64::from(state >> 8) / f64::from(1 << 24) - 0.5
         };
-        system.matrix.iter_mut().for_each(|value| *value = random());
+        let blocks = system.matrix.as_flattened_mut().as_flattened_mut();
+        blocks.iter_mut().for_each(|value| *value = random());
         system.right.iter_mut().for_each(|value| *value = random());
         let conditions = vec![Condition::NoSlip; 4];
         let constraints = Constraints::new(&mesh, conditions, 1.0, &Vector::zeros()).unwrap();

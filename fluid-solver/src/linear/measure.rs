@@ -13,14 +13,6 @@ use super::system::System;
 
 /// s of every unknown.
 pub fn nodal_scale<const N: usize>(system: &System<N>) -> Vec<f64> {
-    let mut diagonal = vec![0.0; system.right.len()];
-    system
-        .pattern
-        .for_each(&system.matrix, |row, column, value| {
-            if row == column {
-                diagonal[row] = value.abs();
-            }
-        });
     let root = |value: f64| {
         if value > 0.0 {
             value.sqrt().recip()
@@ -28,13 +20,18 @@ pub fn nodal_scale<const N: usize>(system: &System<N>) -> Vec<f64> {
             1.0
         }
     };
-    let mut scale = vec![1.0; diagonal.len()];
-    let nodes = scale.chunks_exact_mut(N);
-    for (scale, diagonal) in nodes.zip(diagonal.chunks_exact(N)) {
+    let mut scale = Vec::with_capacity(system.right.len());
+    for node in 0..system.pattern.nodes() {
+        let (neighbours, blocks) = system.row(node);
+        let own = neighbours.binary_search(&node);
+        let diagonal: [f64; N] = match own {
+            Ok(own) => std::array::from_fn(|k| blocks[own][k][k].abs()),
+            Err(_) => [0.0; N],
+        };
         let (velocity, pressure) = diagonal.split_at(N - 1);
         let sum = velocity.iter().fold(0.0, |sum, value| sum + value);
-        scale.fill(root(sum / velocity.len() as f64));
-        scale[N - 1] = root(pressure[0]);
+        scale.extend(velocity.iter().map(|_| root(sum / velocity.len() as f64)));
+        scale.push(root(pressure[0]));
     }
     scale
 }
@@ -72,36 +69,42 @@ pub fn backward_error<const N: usize>(
     fixed: &[bool],
 ) -> f64 {
     let n = x.len();
-    let mut residual = system.right.clone();
-    let mut size: Vec<f64> = system.right.iter().map(|value| value.abs()).collect();
-    let mut row_sum = vec![0.0; n];
-    system
-        .pattern
-        .for_each(&system.matrix, |row, column, value| {
-            let product = value * x[column];
-            residual[row] -= product;
-            size[row] += product.abs();
-            row_sum[row] += (value * scale[column]).abs();
-        });
     let largest = x
         .iter()
         .zip(scale)
         .map(|(x, s)| (x / s).abs())
         .fold(0.0, f64::max);
+    let (x, scale) = (x.as_chunks::<N>().0, scale.as_chunks::<N>().0);
     let mut worst: f64 = 0.0;
-    for k in (0..n).filter(|&k| !fixed[k]) {
-        let background = row_sum[k] * largest;
-        let tiny = 1000.0 * n as f64 * f64::EPSILON * (background + system.right[k].abs());
-        let bound = if size[k] > tiny {
-            size[k]
-        } else {
-            size[k] + background
-        };
-        if residual[k] != 0.0 {
-            worst = worst.max(residual[k].abs() / bound);
+    for node in 0..system.pattern.nodes() {
+        let (neighbours, blocks) = system.row(node);
+        let right: [f64; N] = std::array::from_fn(|d| system.right[N * node + d]);
+        let (mut residual, mut size, mut row_sum) = (right, right.map(f64::abs), [0.0; N]);
+        for (&other, block) in neighbours.iter().zip(blocks) {
+            for (f, column) in block.iter().enumerate() {
+                let (x, scale) = (x[other][f], scale[other][f]);
+                for d in 0..N {
+                    let product = column[d] * x;
+                    residual[d] -= product;
+                    size[d] += product.abs();
+                    row_sum[d] += (column[d] * scale).abs();
+                }
+            }
         }
-        if residual[k].is_nan() {
-            return f64::NAN;
+        for d in (0..N).filter(|&d| !fixed[N * node + d]) {
+            let background = row_sum[d] * largest;
+            let tiny = 1000.0 * n as f64 * f64::EPSILON * (background + right[d].abs());
+            let bound = if size[d] > tiny {
+                size[d]
+            } else {
+                size[d] + background
+            };
+            if residual[d] != 0.0 {
+                worst = worst.max(residual[d].abs() / bound);
+            }
+            if residual[d].is_nan() {
+                return f64::NAN;
+            }
         }
     }
     worst

@@ -22,7 +22,7 @@ use faer::{Accum, MatMut, MatRef, Par};
 use space::Vector;
 
 use super::dissection::{self, Front};
-use super::pattern::Pattern;
+use super::pattern::{self, Pattern};
 
 /// Subtrees with fewer fronts are not worth another thread.
 const FRONTS_SHARED: usize = 16;
@@ -42,11 +42,10 @@ struct Plan<const N: usize> {
     maps: Vec<Vec<u32>>,
 }
 
-/// An N×N block of the matrix: where it is, and the local nodes of its row and column.
+/// An N×N block of the matrix: its number, and the local nodes of its row and column.
 #[derive(Clone, Copy)]
 struct Block {
     source: u32,
-    stride: u32,
     row: u32,
     column: u32,
 }
@@ -94,8 +93,8 @@ impl<const N: usize> Multifrontal<N> {
         Multifrontal { plans, factors }
     }
 
-    /// Factorise the matrix with these entries, on the threads of the present pool.
-    pub fn factorise(&mut self, values: &[f64]) {
+    /// Factorise the matrix with these blocks, on the threads of the present pool.
+    pub fn factorise(&mut self, values: &[pattern::Block<N>]) {
         let shared = rayon::current_num_threads() > 1;
         factor_range(
             &self.plans,
@@ -135,17 +134,15 @@ fn share_blocks<const N: usize>(pattern: &Pattern<N>, fronts: &[Front]) -> Vec<V
         front.pivots.iter().for_each(|&node| of_node[node] = k);
     }
     let mut blocks = vec![Vec::new(); fronts.len()];
-    for column in 0..rank.len() {
-        let rows = pattern.neighbours(column);
-        for (k, &row) in rows.iter().enumerate() {
+    for row in 0..rank.len() {
+        for (k, &column) in pattern.neighbours(row).iter().enumerate() {
             let earlier = if rank[row] < rank[column] {
                 row
             } else {
                 column
             };
             blocks[of_node[earlier]].push(Block {
-                source: (N * N * pattern.start[column] + N * k) as u32,
-                stride: (N * rows.len()) as u32,
+                source: (pattern.start[row] + k) as u32,
                 row: row as u32,
                 column: column as u32,
             });
@@ -166,7 +163,7 @@ fn factor_range<const N: usize>(
     plans: &[Plan<N>],
     factors: &mut [Factor],
     base: usize,
-    values: &[f64],
+    values: &[pattern::Block<N>],
     shared: bool,
     workspace: &mut Workspace,
 ) {
@@ -208,7 +205,7 @@ fn factor_front<const N: usize>(
     plan: &Plan<N>,
     factors: &mut [Factor],
     base: usize,
-    values: &[f64],
+    values: &[pattern::Block<N>],
     workspace: &mut Workspace,
 ) {
     let (done, last) = factors.split_at_mut(factors.len() - 1);
@@ -274,15 +271,14 @@ impl<const N: usize> Plan<N> {
     }
 
     /// Add the blocks of the matrix.
-    fn assemble(&self, factor: &mut Factor, values: &[f64]) {
+    fn assemble(&self, factor: &mut Factor, values: &[pattern::Block<N>]) {
         let (p, b) = self.sizes();
         for block in &self.blocks {
             let row = N * block.row as usize;
-            for f in 0..N {
-                let source = block.source as usize + f * block.stride as usize;
+            for (f, values) in values[block.source as usize].iter().enumerate() {
                 let column = N * block.column as usize + f;
                 let target = target_column(factor, (p, b), column, row);
-                target[..N].copy_from_slice(&values[source..source + N]);
+                target[..N].copy_from_slice(values);
             }
         }
     }

@@ -9,7 +9,7 @@ use space::Vector;
 
 use super::measure;
 use super::multifrontal::Multifrontal;
-use super::pattern::Pattern;
+use super::pattern::{Block, Pattern};
 use super::pivoting::PivotingLu;
 use super::system::System;
 use crate::error::FluidError;
@@ -55,7 +55,7 @@ pub struct LinearSolver<const N: usize> {
     safe_is_current: bool,
     fixed: Vec<bool>,
     scale: Vec<f64>,
-    scaled: Vec<f64>,
+    scaled: Vec<Block<N>>,
 }
 
 impl<const N: usize> LinearSolver<N> {
@@ -71,7 +71,7 @@ impl<const N: usize> LinearSolver<N> {
             safe_is_current: false,
             fixed,
             scale: vec![1.0; pattern.unknowns()],
-            scaled: vec![0.0; pattern.entries()],
+            scaled: vec![[[0.0; N]; N]; pattern.blocks()],
         }
     }
 
@@ -79,11 +79,11 @@ impl<const N: usize> LinearSolver<N> {
     pub fn factorise(&mut self, system: &System<N>) {
         self.scale = measure::nodal_scale(system);
         let (scale, fixed) = (&self.scale, &self.fixed);
-        let mut slot = self.scaled.iter_mut();
+        let mut slots = self.scaled.as_flattened_mut().as_flattened_mut().iter_mut();
         system
             .pattern
             .for_each(&system.matrix, |row, column, value| {
-                if let Some(slot) = slot.next() {
+                if let Some(slot) = slots.next() {
                     *slot = match (fixed[row] || fixed[column], row == column) {
                         (false, _) => value * scale[row] * scale[column],
                         (true, same) => f64::from(u8::from(same)),
@@ -101,7 +101,7 @@ impl<const N: usize> LinearSolver<N> {
             Some(safe) => safe,
             None => PivotingLu::new(pattern)?,
         };
-        safe.factorise(&self.scaled)?;
+        safe.factorise(&pattern.by_columns(&self.scaled))?;
         self.safe = Some(safe);
         self.safe_is_current = true;
         Ok(())
@@ -213,11 +213,15 @@ mod tests {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             f64::from(state >> 8) / f64::from(1 << 24) - 0.5
         };
-        let mut matrix = Vec::new();
-        system.pattern.for_each(&system.matrix, |row, column, _| {
-            matrix.push(random() + if row == column { 8.0 } else { 0.0 });
+        let matrix = system.matrix.clone();
+        let mut slots = system
+            .matrix
+            .as_flattened_mut()
+            .as_flattened_mut()
+            .iter_mut();
+        system.pattern.for_each(&matrix, |row, column, _| {
+            *slots.next().unwrap() = random() + if row == column { 8.0 } else { 0.0 };
         });
-        system.matrix = matrix;
         system.right.iter_mut().for_each(|value| *value = random());
         let mut fixed = vec![false; system.pattern.unknowns()];
         fixed[7] = true;

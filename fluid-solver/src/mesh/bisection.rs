@@ -14,7 +14,7 @@
 use std::hash::{Hash, Hasher};
 
 use rustc_hash::{FxHashMap, FxHashSet};
-use space::{Dim, Dimension, Vector, simplex};
+use space::{Dim, Dimension, Vector, norm, simplex};
 
 use super::simplices::Mesh;
 use super::sizes::Sizes;
@@ -314,11 +314,15 @@ where
         if wishes.iter().any(|&wish| size > wish) {
             return true;
         }
+        let places = part.corners.map(|corner| self.root.position(&corner));
         let mut centre = Vector::<D>::zeros();
-        for corner in &part.corners {
-            centre += self.root.position(corner) / N as f64;
-        }
-        size > self.sizes.at(&centre)
+        places.iter().for_each(|place| centre += place / N as f64);
+        // h of the centre differs from that of a corner by no more than the way between them allows
+        let not_below = |(place, wish): (&Vector<D>, &f64)| {
+            wish - self.sizes.change(norm(&(place - centre))) >= size
+        };
+        let far_from_it = places.iter().zip(wishes).any(not_below);
+        !far_from_it && self.sizes.are_below(size, &centre)
     }
 
     fn keep(&mut self, part: Part<F::Point, N>) -> Result<(), FluidError> {

@@ -8,7 +8,7 @@
 //! bound, so that most zones are never looked at.
 
 use space::periodic::{each_image, shifted};
-use space::{Period, Vector, hypot, vector};
+use space::{Period, Vector, norm, vector};
 
 /// Zones at the end of a branch.
 const LEAF: usize = 8;
@@ -46,7 +46,7 @@ impl<const D: usize> Place<D> {
     /// From a point; 0 inside \[m\].
     fn distance(&self, point: &Vector<D>) -> f64 {
         match self {
-            Place::Ball { centre, radius } => (hypot(&(point - centre)) - radius).max(0.0),
+            Place::Ball { centre, radius } => (norm(&(point - centre)) - radius).max(0.0),
             Place::Box { lower, upper } => beyond(&[*lower, *upper], point),
         }
     }
@@ -55,7 +55,7 @@ impl<const D: usize> Place<D> {
 /// From a point to a box; 0 inside \[m\].
 fn beyond<const D: usize>([lower, upper]: &[Vector<D>; 2], point: &Vector<D>) -> f64 {
     let outside = |d: usize| (lower[d] - point[d]).max(point[d] - upper[d]).max(0.0);
-    hypot::<D>(&vector::from_fn(outside))
+    norm::<D>(&vector::from_fn(outside))
 }
 
 /// A place, and how large cells are there.
@@ -147,26 +147,51 @@ impl<const D: usize> Sizes<D> {
 
     /// h of a point \[m\].
     pub fn at(&self, point: &Vector<D>) -> f64 {
-        let mut least = self.largest;
-        if self.branches.is_empty() {
-            return least;
+        self.at_most(point, self.largest)
+    }
+
+    /// Are cells at a point smaller than this \[m\]? Told sooner than h itself.
+    pub fn are_below(&self, size: f64, point: &Vector<D>) -> bool {
+        size > self.largest || self.at_most(point, size) < size
+    }
+
+    /// By how much h can change over this distance \[m\].
+    pub fn change(&self, distance: f64) -> f64 {
+        self.growth * distance
+    }
+
+    /// The lesser of h and `least`.
+    fn at_most(&self, point: &Vector<D>, mut least: f64) -> f64 {
+        if let Some(all) = self.branches.first() {
+            each_image(&self.period, |shift| {
+                let point = shifted(point, shift, &self.period);
+                self.lower(0, self.bound(all, &point), &point, &mut least);
+            });
         }
-        each_image(&self.period, |shift| {
-            self.lower(0, &shifted(point, shift, &self.period), &mut least);
-        });
         least
     }
 
-    /// Lower `least` to h of the zones of a branch.
-    fn lower(&self, number: usize, point: &Vector<D>, least: &mut f64) {
-        let branch = &self.branches[number];
-        if branch.size + self.growth * beyond(&branch.bounds, point) >= *least {
+    /// A lower bound of h of the zones of a branch.
+    fn bound(&self, branch: &Branch<D>, point: &Vector<D>) -> f64 {
+        branch.size + self.growth * beyond(&branch.bounds, point)
+    }
+
+    /// Lower `least` to h of the zones of a branch, which is not below `bound`; what may be nearer first.
+    fn lower(&self, number: usize, bound: f64, point: &Vector<D>, least: &mut f64) {
+        if bound >= *least {
             return;
         }
+        let branch = &self.branches[number];
         match branch.second {
             Some(second) => {
-                self.lower(number + 1, point, least);
-                self.lower(second, point, least);
+                let both = [number + 1, second];
+                let mut both = both.map(|part| (self.bound(&self.branches[part], point), part));
+                if both[1].0 < both[0].0 {
+                    both.swap(0, 1);
+                }
+                for (bound, part) in both {
+                    self.lower(part, bound, point, least);
+                }
             }
             None => {
                 for zone in &self.zones[branch.zones.clone()] {
@@ -216,6 +241,9 @@ mod tests {
                     }
                 }
                 assert_eq!(sizes.at(&point), least);
+                for size in [0.5 * least, least, least * (1.0 + 1e-15), 0.2, 0.3] {
+                    assert_eq!(sizes.are_below(size, &point), least < size, "{size}");
+                }
             }
         }
         assert_eq!(

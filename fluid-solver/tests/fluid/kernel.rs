@@ -125,9 +125,10 @@ where
             let largest = &mut largest[row][kind(row, column)];
             *largest = largest.max(value.abs());
         });
-        let apart: Vec<f64> = (quick.matrix.iter().zip(&slow.matrix))
-            .map(|(a, b)| a - b)
-            .collect();
+        let mut apart = quick.matrix.clone();
+        let slots = apart.as_flattened_mut().as_flattened_mut().iter_mut();
+        let oracle = slow.matrix.as_flattened().as_flattened();
+        slots.zip(oracle).for_each(|(slot, value)| *slot -= value);
         let mut matrix: f64 = 0.0;
         pattern.for_each(&apart, |row, column, value| {
             let largest = largest[row][kind(row, column)];

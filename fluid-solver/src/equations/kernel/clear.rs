@@ -12,9 +12,13 @@
 //!   p,p      τV g_i·g_j
 //!   right    ∫N_i F_d + τρ g_i·∫a F_d,   τ g_i·∫F                                              (K5)
 //! ```
+//!
+//! The integral of the product of two linear fields x, y is V/(N(N+1)) (Σx_i y_i + Σx_i Σy_i); the terms of the energy
+//! identity are such products.
 
+use super::energy::{Rates, Solution};
 use super::group::{Group, GroupMatrix, GroupRight};
-use super::lanes::{LANES, Lanes, dot};
+use super::lanes::{LANES, Lanes, dot, slope, sum};
 use super::records::Records;
 use crate::equations::coefficients::Coefficients;
 use crate::equations::stabilization::{Real, Scales};
@@ -172,5 +176,41 @@ impl<const D: usize, const N: usize> ClearFluid<D, N> {
                 block[D][D] = relaxed * gg;
             }
         }
+    }
+
+    /// The terms of the energy identity.
+    #[inline(always)]
+    pub fn rates(&self, terms: &Coefficients<'_, D>, solved: &Solution<D, N>) -> Rates {
+        let (first, second) = self.shares();
+        let (density, volume) = (terms.density, self.group.volume);
+        let product = |x: &[Lanes; N], y: &[Lanes; N]| second * (dot(x, y) + sum(x) * sum(y));
+        let grad_p = &solved.pressure_slope;
+        let grad_v: [[Lanes; D]; D] = (solved.velocity).map(|v| slope(&v, &self.group.gradient));
+        let mut rates = Rates::NONE;
+        let (mut divergence, mut dissipation) = (Lanes::ZERO, Lanes::ZERO);
+        let mut tested = Lanes::ZERO;
+        for d in 0..D {
+            let v = &solved.velocity[d];
+            let (mut change, mut streamline, mut residual) = ([Lanes::ZERO; N], *v, *v);
+            for i in 0..N {
+                let along = dot(&self.convecting[i], &grad_v[d]) * density;
+                let history = self.history[i][d] * density;
+                change[i] = v[i] * (terms.rate * density) + along - history;
+                streamline[i] = along + grad_p[d];
+                residual[i] = change[i] + grad_p[d] - Lanes([density * terms.gravity[d]; LANES]);
+            }
+            rates.kinetic += product(v, v) * (0.5 * density);
+            rates.inertia += product(v, &change);
+            rates.gravity += first * sum(v) * (density * terms.gravity[d]);
+            tested += product(&streamline, &residual);
+            divergence += grad_v[d][d];
+            for f in 0..D {
+                dissipation += grad_v[d][f] * (grad_v[d][f] + grad_v[f][d]);
+            }
+        }
+        rates.viscous = volume * dissipation * terms.dynamic_viscosity;
+        let squeezed = self.tau_c * volume * divergence * divergence;
+        rates.stabilisation = self.tau * tested + squeezed;
+        rates
     }
 }

@@ -33,8 +33,8 @@ pub struct Energy {
 
 /// The solution at the corners of a group.
 pub struct Solution<const D: usize, const N: usize> {
-    velocity: [[Lanes; N]; D],
-    pressure_slope: [Lanes; D],
+    pub(super) velocity: [[Lanes; N]; D],
+    pub(super) pressure_slope: [Lanes; D],
 }
 
 impl<const D: usize, const N: usize> Solution<D, N> {
@@ -71,12 +71,12 @@ impl<const D: usize, const N: usize> Solution<D, N> {
 /// [`Energy`], lane by lane.
 #[derive(Clone, Copy)]
 pub struct Rates {
-    kinetic: Lanes,
-    inertia: Lanes,
-    viscous: Lanes,
-    gravity: Lanes,
-    solid: Lanes,
-    stabilisation: Lanes,
+    pub(super) kinetic: Lanes,
+    pub(super) inertia: Lanes,
+    pub(super) viscous: Lanes,
+    pub(super) gravity: Lanes,
+    pub(super) solid: Lanes,
+    pub(super) stabilisation: Lanes,
 }
 
 /// What is the same at all points of a group.

@@ -138,9 +138,12 @@ impl<const D: usize, const N: usize> Task for EnergyOf<'_, D, N> {
         for g in self.groups {
             let group = Group::gather(mesh, g);
             let filled = (mesh.simplices.len() - g * LANES).min(LANES);
-            let at = Porous::gather(terms, records, group);
-            let solved = Solution::gather(&at.group, self.velocity, self.pressure, self.driving);
-            sum.add(&Rates::of(terms, &at, &solved), filled);
+            let solved = Solution::gather(&group, self.velocity, self.pressure, self.driving);
+            let rates = match records.are_clear(&group.nodes) {
+                true => ClearFluid::gather(terms, records, group).rates(terms, &solved),
+                false => Rates::of(terms, &Porous::gather(terms, records, group), &solved),
+            };
+            sum.add(&rates, filled);
         }
         sum.energy()
     }
