@@ -1,9 +1,9 @@
 //! What is known about the unknowns of every node.
 //!
 //! Where boundaries with different conditions meet, the node takes the strongest: no-slip, then
-//! given velocity (the boundary named first in the mesh), then slip. A corner between slip
-//! walls whose normals differ by more than 37° holds all components; on a gentler bend the
-//! size-weighted normal is used. What crosses a boundary does not depend on
+//! given velocity (the boundary named first in the mesh), then slip. Where slip walls meet whose normals
+//! differ by more than 37° a corner of the plane holds all components, an edge of space all but that along it, and a
+//! corner of three walls all; on a gentler bend the size-weighted normal is used. What crosses a boundary does not depend on
 //! who holds its corners (`flux`). Pressure at an open boundary is given strongly,
 //! p = p₀ + ρ g·(x − x_top). In a part of the mesh without an open boundary the first node has p = 0.
 
@@ -111,6 +111,13 @@ impl<const D: usize> Constraints<D> {
                         self.frames[node] = Some(Frame::of_normal(normal));
                     }
                 },
+                NodeVelocity::Along(edge) => {
+                    fixed.fill(true);
+                    fixed[axis_of(edge).unwrap_or(0)] = false;
+                    if axis_of(edge).is_none() {
+                        self.frames[node] = Some(Frame::of_normal(edge));
+                    }
+                }
             }
         }
         for &(node, _) in &self.pressure {
@@ -218,7 +225,7 @@ fn unjoined<const D: usize, const N: usize>(mesh: &Mesh<D, N>, boundary: usize) 
     }
 }
 
-/// The axis that a normal follows.
+/// The axis that a direction follows.
 fn axis_of<const D: usize>(normal: &Vector<D>) -> Option<usize> {
     let mut axes = (0..D).filter(|&d| normal[d] != 0.0);
     axes.next().filter(|_| axes.next().is_none())

@@ -2,13 +2,13 @@
 
 use space::{Dim, Dimension, Vector};
 
-/// Orthonormal directions of the velocity unknowns of a node, the first the normal of its wall; in
-/// the plane (n, t), t = (−n_y, n_x).
+/// Orthonormal directions of the velocity unknowns of a node, the first the normal of its wall or the direction of its
+/// edge; in the plane (n, t), t = (−n_y, n_x).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame<const D: usize>([Vector<D>; D]);
 
 impl<const D: usize> Frame<D> {
-    /// The frame of a wall with this unit normal.
+    /// The frame of a wall with this unit normal, or of an edge along it.
     pub fn of_normal(normal: &Vector<D>) -> Frame<D>
     where
         Dim<D>: Dimension<D>,

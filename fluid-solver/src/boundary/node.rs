@@ -8,6 +8,8 @@ pub(super) enum NodeVelocity<const D: usize> {
     Free,
     /// Normal component zero; where that follows no axis the unknowns are turned.
     Normal(Vector<D>),
+    /// Only this component is free, along an edge between two walls; where that follows no axis the unknowns are turned.
+    Along(Vector<D>),
     /// Given by this boundary, times a shape factor.
     Given(usize, f64),
     Zero,

@@ -1,5 +1,7 @@
 //! Systems in space to try solvers on: a cloud or a held bed in a box, on meshes with coarser ones under them.
 
+use std::path::Path;
+
 use fluid_solver::boundary::{Condition, Constraints};
 use fluid_solver::cost::cpu_seconds;
 use fluid_solver::equations::assembly::Assembly;
@@ -12,7 +14,7 @@ use fluid_solver::solid::{Solid, SolidFields};
 use fluid_solver::state::Flow;
 use space::{Vector, hypot};
 
-use crate::support::Random;
+use crate::support::{Random, turned};
 
 const SIMPLICES_MAX: usize = 4_000_000;
 /// Radius of the cloud, viscosity and force of its weight are 1: ρ is the Galileo number.
@@ -128,16 +130,7 @@ impl Bench {
         };
         let any = Sizes::new(vec![], 0.0, f64::INFINITY, root.period());
         let (_, straight) = Bisection::<_, 3, 4>::new(&root, &any, SIMPLICES_MAX).unwrap();
-        let turn = |x: &Vector<3>| {
-            let (c, s) = (0.8, 0.6);
-            let x = Vector::from([c * x[0] - s * x[1], s * x[0] + c * x[1], x[2]]);
-            Vector::from([x[0], c * x[1] - s * x[2], s * x[1] + c * x[2]])
-        };
-        let position = straight.position.iter().map(turn).collect();
-        let facets = straight.facets.iter();
-        let named: Vec<_> = facets.map(|facet| (facet.node, facet.boundary)).collect();
-        let names = straight.boundary_names.clone();
-        let mesh = Mesh::new(position, straight.simplices, names, &named, |t| t).unwrap();
+        let mesh = turned(&straight);
         let centre = Vector::zeros();
         let place = Place::Ball {
             centre,
@@ -285,6 +278,35 @@ impl Bench {
         let mut direct = LinearSolver::new(&self.system.pattern, &self.mesh.position, fixed);
         direct.factorise(&self.system);
         direct.solve(&self.system, &self.given()).unwrap().unknowns
+    }
+
+    /// Write the system assembled last, fixed unknowns as equations of their own, and its solution: numbers of unknowns
+    /// and of entries, rows, columns (from 1), entries, right-hand side, solution, in little-endian.
+    pub fn write(&self, solution: &Solution, file: &Path) {
+        let (fixed, given) = (&self.constraints.fixed, self.given());
+        let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
+        let pattern = &self.system.pattern;
+        pattern.for_each(&self.system.matrix, |row, column, value| {
+            let value = match fixed[row] {
+                true => f64::from(u8::from(row == column)),
+                false => value,
+            };
+            rows.push(row as i32 + 1);
+            columns.push(column as i32 + 1);
+            values.push(value);
+        });
+        let right = self.system.right.iter().enumerate();
+        let right = right.map(|(k, &value)| if fixed[k] { given[k] } else { value });
+        let mut bytes = Vec::new();
+        for count in [solution.unknowns.len(), values.len()] {
+            bytes.extend((count as i64).to_le_bytes());
+        }
+        let numbers = rows.iter().chain(&columns);
+        bytes.extend(numbers.flat_map(|number| number.to_le_bytes()));
+        let values = values.into_iter().chain(right);
+        let values = values.chain(solution.unknowns.iter().copied());
+        bytes.extend(values.flat_map(f64::to_le_bytes));
+        std::fs::write(file, bytes).unwrap();
     }
 
     /// Memory of the preconditioner \[bytes a node\].

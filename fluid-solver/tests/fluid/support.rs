@@ -25,6 +25,22 @@ pub fn largest_difference(a: &[Vector<2>], b: impl Fn(usize) -> Vector<2>) -> f6
     pairs.fold(0.0, f64::max)
 }
 
+/// A place turned about two axes, so that what followed an axis follows none.
+pub fn turn(x: &Vector<3>) -> Vector<3> {
+    let (c, s) = (0.8, 0.6);
+    let x = Vector::from([c * x[0] - s * x[1], s * x[0] + c * x[1], x[2]]);
+    Vector::from([x[0], c * x[1] - s * x[2], s * x[1] + c * x[2]])
+}
+
+/// A mesh turned like that.
+pub fn turned(straight: &Mesh<3, 4>) -> Mesh<3, 4> {
+    let position = straight.position.iter().map(turn).collect();
+    let facets = straight.facets.iter();
+    let named: Vec<_> = facets.map(|facet| (facet.node, facet.boundary)).collect();
+    let (simplices, names) = (straight.simplices.clone(), straight.boundary_names.clone());
+    Mesh::new(position, simplices, names, &named, |t| t).unwrap()
+}
+
 /// A small deterministic generator of uniform numbers (SplitMix64, Steele et al. 2014).
 pub struct Random(pub u64);
 
