@@ -3,22 +3,28 @@
 use std::process::Command;
 
 fn main() {
-    println!("cargo:rerun-if-changed=../../.git/logs/HEAD");
+    // elsewhere than in .git where this is one of several work trees: a file that is not there is stale always
+    let log = git(&["rev-parse", "--git-path", "logs/HEAD"]);
+    if !log.is_empty() {
+        println!("cargo:rerun-if-changed={log}");
+    }
     println!("cargo:rerun-if-changed=../../Cargo.lock");
-    let git = Command::new("git")
-        .args(["rev-parse", "--short=12", "HEAD"])
-        .output();
-    let commit = match git {
-        Ok(output) if output.status.success() => {
-            String::from_utf8_lossy(&output.stdout).into_owned()
-        }
-        _ => String::new(),
-    };
-    println!("cargo:rustc-env=SILLAGE_COMMIT={}", commit.trim());
+    let commit = git(&["rev-parse", "--short=12", "HEAD"]);
+    println!("cargo:rustc-env=SILLAGE_COMMIT={commit}");
     println!(
         "cargo:rustc-env=SILLAGE_ICEORYX2={}",
         locked_version("iceoryx2")
     );
+}
+
+/// What git answers; nothing where it does not.
+fn git(arguments: &[&str]) -> String {
+    match Command::new("git").args(arguments).output() {
+        Ok(output) if output.status.success() => {
+            String::from_utf8_lossy(&output.stdout).trim().to_owned()
+        }
+        _ => String::new(),
+    }
 }
 
 /// The version of a package in `Cargo.lock`.
