@@ -49,13 +49,12 @@ class Lammps(sillage.ParticleEngine):
             os.unlink(path)
 
     def configure(self, scene, grains):
-        if scene["dimension"] != 2:
-            raise sillage.SceneError(f"{self.name} is for two dimensions, the scene has {scene['dimension']}")
         # Restart files lie in the run's own folder, which goes with the run however it ends.
         run = os.path.join("/dev/shm", f"sillage-{os.environ.get('SILLAGE_RUN', '')}")
         self.folder = tempfile.mkdtemp(prefix="sillage-lammps-", dir=run if os.path.isdir(run) else None)
         weakref.finalize(self, shutil.rmtree, self.folder, True)
         self.scene, self.grains = scene, grains
+        self.axes = "xyz"[: scene["dimension"]]
         self.walls = planes(scene["walls"])
         self.gravity = np.array(scene["gravity"])
         grains.velocity = np.where(grains.fixed[:, None], 0.0, grains.velocity)
@@ -86,23 +85,22 @@ class Lammps(sillage.ParticleEngine):
             # Periodic cells begin at 0; elsewhere the box grows with the grains.
             bounds += [0.0, period] if period else [lower[axis], upper[axis]]
         styles = ["p" if period else "m" for period in self.scene["period"]]
+        if self.axes == "xy":
+            bounds, styles = [*bounds, -margin, margin], [*styles, "p"]
         self.header(styles)
-        box = " ".join(f"{value!r}" for value in map(float, [*bounds, -margin, margin]))
+        box = " ".join(f"{value!r}" for value in map(float, bounds))
         lmp.command(f"region box block {box} units box")
         lmp.command("create_box 2 box")
         count = len(g)
-        x = np.zeros((count, 3))
-        x[:, :2] = g.position
-        image = np.zeros((count, 2), int)
+        x = in_space(g.position)
+        image = np.zeros((count, 3), int)
         for axis, period in enumerate(self.scene["period"]):
             if period:
                 image[:, axis] = np.floor(g.position[:, axis] / period)
                 x[:, axis] -= image[:, axis] * period
         kind = np.where(g.fixed, 2, 1).astype(np.intc)
-        v = np.zeros((count, 3))
-        v[:, :2] = g.velocity
         made = lmp.create_atoms(
-            count, np.arange(1, count + 1).tolist(), kind.tolist(), x.ravel().tolist(), v.ravel().tolist()
+            count, np.arange(1, count + 1).tolist(), kind.tolist(), x.ravel().tolist(), in_space(g.velocity).ravel().tolist()
         )
         if made != count:
             raise sillage.SceneError(f"LAMMPS took {made} of {count} grains")
@@ -110,7 +108,7 @@ class Lammps(sillage.ParticleEngine):
         lmp.numpy.extract_atom("radius")[:count] = g.radius[place]
         lmp.numpy.extract_atom("rmass")[:count] = g.mass[place]
         flags = lmp.extract_global("nlocal") and lmp.numpy.extract_atom("image")
-        encode = [lmp.encode_image_flags(int(ix), int(iy), 0) for ix, iy in image]
+        encode = [lmp.encode_image_flags(*map(int, turns)) for turns in image]
         flags[:count] = np.array(encode, dtype=flags.dtype)[place]
         self.model()
         lmp.command("run 0 post no")
@@ -119,8 +117,8 @@ class Lammps(sillage.ParticleEngine):
         self.lmp.commands_list(
             [
                 "units si",
-                "dimension 2",
-                f"boundary {styles[0]} {styles[1]} p",
+                f"dimension {len(self.axes)}",
+                f"boundary {' '.join(styles)}",
                 "atom_style sphere",
                 "atom_modify map array",
                 "newton off",
@@ -141,10 +139,9 @@ class Lammps(sillage.ParticleEngine):
             "neigh_modify delay 0 every 1 check yes",
             "group moving type 1",
             "group still type 2",
-            "fix given all property/atom d_gamma d_qx d_qy",
-            "variable fx atom d_qx-d_gamma*vx",
-            "variable fy atom d_qy-d_gamma*vy",
-            "fix drag moving addforce v_fx v_fy 0.0",
+            f"fix given all property/atom d_gamma {' '.join(f'd_q{axis}' for axis in self.axes)}",
+            *(f"variable f{axis} atom d_q{axis}-d_gamma*v{axis}" for axis in self.axes),
+            f"fix drag moving addforce {' '.join(f'v_f{axis}' for axis in self.axes)}" + " 0.0" * (self.axes == "xy"),
         ]
         for axis, sides in self.walls.items():
             low, high = (repr(side) if side is not None else "NULL" for side in sides)
@@ -155,7 +152,7 @@ class Lammps(sillage.ParticleEngine):
         commands += [
             f"fix move moving nve/sphere {disc}",
             "fix hold still freeze",
-            "fix flat all enforce2d",
+            *(["fix flat all enforce2d"] if self.axes == "xy" else []),
             "compute touch all contact/atom",
             "thermo_style custom step",
             "thermo 1000000000",
@@ -198,7 +195,7 @@ class Lammps(sillage.ParticleEngine):
         self.begin()
         lmp = self.lmp
         place = lmp.numpy.extract_atom("id")[: len(g)] - 1
-        for name, values in (("d_gamma", drag), ("d_qx", pull[:, 0]), ("d_qy", pull[:, 1])):
+        for name, values in (("d_gamma", drag), *zip((f"d_q{axis}" for axis in self.axes), pull.T)):
             lmp.numpy.extract_atom(name)[: len(g)] = values[place]
         lmp.command(f"timestep {request.dt / sub_steps!r}")
         try:
@@ -223,13 +220,13 @@ class Lammps(sillage.ParticleEngine):
 
     def gather(self, name):
         """x or v in the order of the grains; positions are not wrapped."""
-        lmp, count = self.lmp, len(self.grains)
+        lmp, count, d = self.lmp, len(self.grains), len(self.axes)
         place = lmp.numpy.extract_atom("id")[:count] - 1
-        values = np.empty((count, 2))
-        values[place] = lmp.numpy.extract_atom(name)[:count, :2]
+        values = np.empty((count, d))
+        values[place] = lmp.numpy.extract_atom(name)[:count, :d]
         if name == "x" and any(self.scene["period"]):
             flags = lmp.numpy.extract_atom("image")[:count]
-            turns = np.array([lmp.decode_image_flags(int(flag))[:2] for flag in flags])
+            turns = np.array([lmp.decode_image_flags(int(flag))[:d] for flag in flags])
             values[place] += turns * [period or 0.0 for period in self.scene["period"]]
         return values
 
@@ -287,27 +284,32 @@ def rename_history(state, number):
     return state
 
 
+def in_space(vectors):
+    """Vectors of three numbers."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
+
+
 def planes(walls):
-    """Axis and two coordinates (or None) of walls that all lie along an axis."""
-    sides = {"x": [None, None], "y": [None, None]}
+    """Axis and two coordinates (or None) of walls that all lie along an axis: whole sides."""
+    sides = {}
     for wall in walls:
-        a, b = wall["corners"]
-        (ax, ay), (bx, by) = a, b
-        if ax == bx:
-            axis, at, high = "x", ax, by > ay  # grains on the left of a → b
-        elif ay == by:
-            axis, at, high = "y", ay, bx < ax
-        else:
-            raise sillage.SceneError(
-                f"the wall from {a} to {b} is inclined: lammps-particles has planes along x and y"
-            )
-        old = sides[axis][high]
+        corners = np.array(wall["corners"])
+        first, others = corners[0], corners[1:] - corners[0]
+        # Grains are on the left of a segment, and where the corners of a triangle are seen clockwise.
+        inward = np.array([-others[0, 1], others[0, 0]]) if len(others) == 1 else np.cross(others[1], others[0])
+        normal = np.flatnonzero(inward)
+        if len(normal) != 1:
+            where = " to ".join(str(corner) for corner in wall["corners"])
+            raise sillage.SceneError(f"the wall from {where} is inclined: lammps-particles has planes along the axes")
+        (number,) = normal
+        axis, at, high = "xyz"[number], float(first[number]), int(inward[number] < 0.0)
+        old = sides.setdefault(axis, [None, None])[high]
         if old is not None and old != at:
             raise sillage.SceneError(
                 f"two walls face the same way, {axis} = {old} and {at}: lammps-particles has one plane a side"
             )
         sides[axis][high] = at
-    return {axis: pair for axis, pair in sides.items() if pair != [None, None]}
+    return {axis: sides[axis] for axis in sorted(sides)}
 
 
 def options():

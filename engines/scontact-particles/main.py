@@ -36,7 +36,10 @@ class Scontact(sillage.ParticleEngine):
 
     def configure(self, scene, grains):
         if scene["dimension"] != 2:
-            raise sillage.SceneError(f"{self.name} is for two dimensions, the scene has {scene['dimension']}")
+            raise sillage.SceneError(
+                f"{self.name} is for two dimensions, the scene has {scene['dimension']}: "
+                "take sillage-particles, rapier-particles or lammps-particles"
+            )
         if any(scene["period"]):
             raise sillage.SceneError(
                 f"the domain is periodic ({scene['period']} m): scontact-particles has walls only"

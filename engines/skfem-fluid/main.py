@@ -304,7 +304,9 @@ def porosity_at(velocity, pressure, porosity):
 def refuse_what_is_missing(scene):
     """Say what this engine cannot do, with the key of the scene."""
     if scene["dimension"] != 2:
-        raise sillage.SceneError(f"skfem-fluid is for two dimensions, the scene has {scene['dimension']}")
+        raise sillage.SceneError(
+            f"skfem-fluid is for two dimensions, the scene has {scene['dimension']}: take sillage-fluid"
+        )
     if "rectangle" not in scene["mesh"]:
         raise sillage.SceneError("fluid.domain.mesh: skfem-fluid has rectangles only, use fluid.domain.rectangle")
     wanted = {"time_scheme": "backward-euler", "nonlinear": "picard", "viscous_form": "symmetric"}

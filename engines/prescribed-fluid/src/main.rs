@@ -1,7 +1,7 @@
-//! A fluid engine that solves nothing: velocity and pressure are formulas in x, y and t.
+//! A fluid engine that solves nothing: velocity and pressure are formulas in x, y, z and t.
 
 mod formula;
-mod rectangle;
+mod lattice;
 mod serve;
 
 use std::process::ExitCode;

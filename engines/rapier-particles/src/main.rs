@@ -1,10 +1,13 @@
 //! A particle engine on the contact solver of rapier, a game engine: soft contacts, tuned for grains.
 
+mod bodies;
 mod contacts;
+mod model;
+mod plane;
 mod serve;
+mod solid;
 #[cfg(test)]
 mod tests;
-mod world;
 
 use std::process::ExitCode;
 

@@ -6,15 +6,17 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use protocol::engine::{Computed, InitialGrains, Inputs, Outputs, ParticleEngine};
+use protocol::engine::{Computed, InitialGrains, Inputs, Outputs, ParticleEngine, PlaneOrSpace};
 use protocol::field::Field;
 use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
 use protocol::report::ParticleReport;
 use protocol::scene::{ParticleScene, Wall, fixed};
-use rapier2d_f64::prelude::PhysicsPipeline;
+use space::{Dim, Dimension, Linear, Spin, Vector, flat};
 
-use crate::contacts::{Contacts, crossing};
-use crate::world::{Model, Segment, Settings, World};
+use crate::bodies::Bodies;
+use crate::contacts::Contacts;
+use crate::model::{Model, Settings, crossing};
+use crate::{plane, solid};
 
 /// Sweeps of an iteration: one that corrects overlaps and one that does not.
 const SWEEPS: f64 = 2.0;
@@ -29,29 +31,33 @@ struct Arguments {
     settings: Settings,
 }
 
-struct Engine {
+/// The rapier of the plane, or that of space.
+type Engine = PlaneOrSpace<Grains<2, 3, plane::World>, Grains<3, 4, solid::World>>;
+
+/// Grains in `D` dimensions, `N` corners a simplex.
+struct Grains<const D: usize, const N: usize, W> {
     settings: Settings,
     sub_steps_max: u32,
-    run: Option<Run>,
+    run: Option<Run<D, W>>,
 }
 
 /// What there is after `Configure`.
-struct Run {
-    model: Model,
-    accepted: World,
-    candidate: World,
+struct Run<const D: usize, W> {
+    model: Model<D>,
+    accepted: W,
+    candidate: W,
 }
 
 /// `main` of the engine's process.
 pub fn run() -> ExitCode {
-    protocol::engine::run_particles(Engine {
-        settings: Arguments::parse().settings,
-        sub_steps_max: 1,
-        run: None,
-    })
+    let settings = Arguments::parse().settings;
+    protocol::engine::run_particles(Engine::new(Grains::new(settings), Grains::new(settings)))
 }
 
-impl ParticleEngine for Engine {
+impl<const D: usize, const N: usize, W: Bodies<D>> ParticleEngine for Grains<D, N, W>
+where
+    Dim<D>: Dimension<D>,
+{
     fn identity(&self) -> (&'static str, &'static str) {
         ("rapier-particles", env!("CARGO_PKG_VERSION"))
     }
@@ -76,16 +82,16 @@ impl ParticleEngine for Engine {
             );
             return Err(Failure::new(FailureKind::Scene, why));
         }
-        let gravity = fixed(&scene.gravity).map_err(unusable_scene)?;
-        let walls: Result<Vec<Segment>, String> = scene.walls.iter().map(segment).collect();
+        let gravity: [f64; D] = fixed(&scene.gravity).map_err(unusable_scene)?;
+        let walls: Result<Vec<_>, String> = scene.walls.iter().map(corners).collect();
         let held: Vec<bool> = grains.fixed.iter().map(|&fixed| fixed != 0.0).collect();
-        for k in (0..grains.velocity.len()).filter(|k| held[k / 2]) {
+        for k in (0..grains.velocity.len()).filter(|k| held[k / D]) {
             grains.velocity[k] = 0.0;
         }
         let inertia = grains.mass.iter().zip(&grains.radius);
         let model = Model {
             settings: self.settings,
-            gravity,
+            gravity: gravity.into(),
             walls: walls.map_err(unusable_scene)?,
             friction: [scene.friction, scene.wall_friction],
             inertia: inertia
@@ -96,7 +102,9 @@ impl ParticleEngine for Engine {
             fixed: held,
         };
         warn_of_overlap(&model);
-        let accepted = World::new(&model, &grains.position, &grains.velocity);
+        let place = vectors(&grains.position).map_err(unusable_scene)?;
+        let velocity = vectors(&grains.velocity).map_err(unusable_scene)?;
+        let accepted = W::new(&model, place, velocity);
         let candidate = accepted.clone();
         self.sub_steps_max = scene.sub_steps_max;
         self.run = Some(Run {
@@ -113,7 +121,8 @@ impl ParticleEngine for Engine {
         inputs: &Inputs<'_>,
         mut outputs: Outputs<'_>,
     ) -> Result<Computed<ParticleReport>, Failure> {
-        let [drag, force] = [Field::GrainDrag, Field::GrainForce].map(|field| inputs.get(field));
+        let (drag, force) = (inputs.get(Field::GrainDrag), inputs.get(Field::GrainForce));
+        let force = force.map(vectors).transpose().map_err(broken)?;
         let sub_steps = self.sub_steps(request)?;
         let Run {
             model,
@@ -121,12 +130,8 @@ impl ParticleEngine for Engine {
             candidate,
         } = self.run.as_mut().ok_or_else(not_configured)?;
         *candidate = accepted.clone();
-        // Rapier's workspace: a fresh one, so that nothing of an earlier request is left in it.
-        let mut pipeline = PhysicsPipeline::new();
-        let count = model.radius.len();
-        let places = |world: &World| -> Vec<f64> {
-            (0..count).flat_map(|grain| world.position(grain)).collect()
-        };
+        // A fresh workspace, so that nothing of an earlier request is left in it.
+        let mut pipeline = W::Pipeline::default();
         let start = places(accepted);
         let mut before = start.clone();
         for _ in 0..sub_steps.get() {
@@ -137,7 +142,7 @@ impl ParticleEngine for Engine {
                 Failure::new(FailureKind::NotFinite, why)
             })?;
             let after = places(candidate);
-            if let Some((grain, wall)) = crossing(model, &before, &after) {
+            if let Some((grain, wall)) = crossing::<D, N>(model, &before, &after) {
                 let why = format!(
                     "grain {grain} crossed wall {wall} in a sub-step of {dt:e} s: a smaller \
                      --sub-step-max or a higher --frequency is needed"
@@ -148,15 +153,17 @@ impl ParticleEngine for Engine {
         }
         let velocity = outputs.take(Field::GrainVelocity);
         let mean_velocity = outputs.take(Field::GrainMeanVelocity);
-        for k in 0..2 * count {
-            velocity[k] = candidate.velocity(k / 2)[k % 2];
-            mean_velocity[k] = (before[k] - start[k]) / request.dt;
+        for k in 0..D * before.len() {
+            velocity[k] = candidate.velocity(k / D)[k % D];
+            mean_velocity[k] = (before[k / D][k % D] - start[k / D][k % D]) / request.dt;
         }
-        outputs.take(Field::GrainPosition).copy_from_slice(&before);
-        for (grain, spin) in outputs.take(Field::GrainSpin).iter_mut().enumerate() {
-            *spin = candidate.spin(grain);
+        let position = outputs.take(Field::GrainPosition);
+        position.copy_from_slice(flat::numbers(&before));
+        let components = <Spin<D>>::COMPONENTS;
+        for (k, spin) in outputs.take(Field::GrainSpin).iter_mut().enumerate() {
+            *spin = candidate.spin(k / components).component(k % components);
         }
-        let contacts = Contacts::of(candidate, model);
+        let contacts = Contacts::of(&candidate.pairs(model), &model.fixed);
         outputs
             .take(Field::GrainContact)
             .copy_from_slice(&contacts.state);
@@ -200,7 +207,7 @@ impl ParticleEngine for Engine {
         let state = bytes.strip_prefix(MARK.as_slice());
         let state = state.ok_or_else(|| unusable(path, "not a checkpoint of rapier-particles"))?;
         let configuration = bincode::config::standard();
-        let decoded = bincode::serde::decode_from_slice::<World, _>(state, configuration);
+        let decoded = bincode::serde::decode_from_slice::<W, _>(state, configuration);
         let (world, length) = decoded.map_err(|error| unusable(path, error))?;
         if length != state.len() || world.count() != run.model.radius.len() {
             return Err(unusable(path, "not a checkpoint of these grains"));
@@ -210,7 +217,15 @@ impl ParticleEngine for Engine {
     }
 }
 
-impl Engine {
+impl<const D: usize, const N: usize, W> Grains<D, N, W> {
+    fn new(settings: Settings) -> Self {
+        Grains {
+            settings,
+            sub_steps_max: 1,
+            run: None,
+        }
+    }
+
     fn sub_steps(&self, request: &Advance) -> Result<NonZeroU32, Failure> {
         if let Some(asked) = NonZeroU32::new(request.sub_steps) {
             return Ok(asked);
@@ -228,7 +243,7 @@ impl Engine {
 }
 
 /// A spring that is too soft for small grains is a wrong setting, not a wrong scene.
-fn warn_of_overlap(model: &Model) {
+fn warn_of_overlap<const D: usize>(model: &Model<D>) {
     const TOO_MUCH: f64 = 1e-2;
     let smallest = model.radius.iter().copied().fold(f64::INFINITY, f64::min);
     let rate = 2.0 * std::f64::consts::PI * model.settings.frequency;
@@ -248,13 +263,31 @@ fn not_configured() -> Failure {
     Failure::new(FailureKind::Engine, "the engine is not configured")
 }
 
-/// A wall of the scene, which must be in the plane.
-fn segment(wall: &Wall) -> Result<Segment, String> {
-    let [a, b] = match &wall.corners[..] {
-        [a, b] => [fixed(a)?, fixed(b)?],
-        other => return Err(format!("a wall with {} corners", other.len())),
-    };
-    Ok(Segment { a, b })
+/// The corners of a wall of the scene.
+fn corners<const D: usize>(wall: &Wall) -> Result<[Vector<D>; D], String> {
+    let corners = wall.corners.iter().map(|corner| fixed::<D, f64>(corner));
+    let corners: Result<Vec<[f64; D]>, String> = corners.collect();
+    Ok(fixed::<D, [f64; D]>(&corners?)?.map(Vector::from))
+}
+
+/// Vectors from interleaved components.
+fn vectors<const D: usize>(numbers: &[f64]) -> Result<&[Vector<D>], String> {
+    let count = numbers.len();
+    flat::vectors(numbers).ok_or_else(|| format!("{count} components of vectors, not {D} of each"))
+}
+
+/// Centres of all grains \[m\].
+fn places<const D: usize>(world: &impl Bodies<D>) -> Vec<Vector<D>>
+where
+    Dim<D>: Dimension<D>,
+{
+    (0..world.count())
+        .map(|grain| world.position(grain))
+        .collect()
+}
+
+fn broken(why: String) -> Failure {
+    Failure::new(FailureKind::Engine, why)
 }
 
 fn unusable_scene(why: String) -> Failure {

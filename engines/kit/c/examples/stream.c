@@ -1,7 +1,7 @@
-/* A fluid engine in C: a uniform stream that nothing disturbs, on a rectangle of triangles whose lines lie
- * as close as the scene, or the coupler between two steps, asks for.
+/* A fluid engine in C: a uniform stream that nothing disturbs, on a rectangle of triangles or a box of
+ * tetrahedra whose lines lie as close as the scene, or the coupler between two steps, asks for.
  *
- *     stream VX VY        interstitial velocity (m/s)
+ *     stream VX VY [VZ]        interstitial velocity (m/s)
  */
 #include <math.h>
 #include <stdio.h>
@@ -13,14 +13,18 @@
 #define NODES_MAX 4000000.0
 
 typedef struct {
-    double velocity[2];
-    double weight[2]; /* density times gravity (N/m3) */
-    /* The rectangle (m), and its cells where nothing smaller is asked for. */
-    double lower[2], upper[2];
-    uint64_t cells[2];
+    size_t dimension;
+    double velocity[3];
+    double weight[3]; /* density times gravity (N/m3) */
+    /* The rectangle or box (m), and its cells where nothing smaller is asked for. */
+    double lower[3], upper[3];
+    uint64_t cells[3];
     double *node_position;
-    uint32_t *triangles;
+    uint32_t *simplices;
 } model;
+
+/* Orders of the axes, each one exchange from the one before; the first two are those of the plane. */
+static const unsigned ORDERS[6][3] = {{0, 1, 2}, {1, 0, 2}, {1, 2, 0}, {2, 1, 0}, {2, 0, 1}, {0, 2, 1}};
 
 /* Smallest cells that are asked for between two lines across an axis (m). */
 static double asked(const sillage_sizes *sizes, unsigned axis, double from, double to)
@@ -36,7 +40,7 @@ static double asked(const sillage_sizes *sizes, unsigned axis, double from, doub
     return least;
 }
 
-/* Where a line of the rectangle as the scene has it lies (m). */
+/* Where a line of the rectangle or box as the scene has it lies (m). */
 static double line(const model *m, unsigned axis, uint64_t k)
 {
     const double share = (double)k / (double)m->cells[axis];
@@ -67,55 +71,84 @@ static double *lines(const model *m, const sillage_sizes *sizes, unsigned axis, 
     return all;
 }
 
-/* Nodes row by row, and two triangles a cell. */
-static void fill_in(model *m, const double *x, const double *y, uint64_t nx, uint64_t ny)
+/* Nodes along x, then y, then z. A cell of d axes is cut into d! simplices: from its lowest corner along
+ * the axes in each of their orders (Kuhn), every second of which is left-handed and turned around. */
+static void fill_in(model *m, double *const at[3], const uint64_t count[3])
 {
-    for (uint64_t j = 0; j <= ny; ++j)
-        for (uint64_t i = 0; i <= nx; ++i) {
-            m->node_position[2 * (j * (nx + 1) + i)] = x[i];
-            m->node_position[2 * (j * (nx + 1) + i) + 1] = y[j];
+    const size_t d = m->dimension, orders = d == 2 ? 2 : 6;
+    uint64_t stride[3] = {0}, nodes = 1, cells = 1;
+    for (size_t axis = 0; axis < d; ++axis) {
+        stride[axis] = nodes;
+        nodes *= count[axis] + 1;
+        cells *= count[axis];
+    }
+    for (uint64_t node = 0; node < nodes; ++node)
+        for (size_t axis = 0; axis < d; ++axis)
+            m->node_position[d * node + axis] = at[axis][node / stride[axis] % (count[axis] + 1)];
+    for (uint64_t cell = 0; cell < cells; ++cell) {
+        uint64_t lowest = 0, rest = cell;
+        for (size_t axis = 0; axis < d; ++axis) {
+            lowest += rest % count[axis] * stride[axis];
+            rest /= count[axis];
         }
-    for (uint64_t j = 0; j < ny; ++j)
-        for (uint64_t i = 0; i < nx; ++i) {
-            const uint32_t a = (uint32_t)(j * (nx + 1) + i), d = a + (uint32_t)nx + 1;
-            const uint32_t corners[6] = {a, a + 1, d + 1, a, d + 1, d};
-            for (unsigned k = 0; k < 6; ++k)
-                m->triangles[6 * (j * nx + i) + k] = corners[k];
+        for (size_t order = 0; order < orders; ++order) {
+            uint32_t *corner = &m->simplices[(d + 1) * (orders * cell + order)];
+            uint64_t node = lowest;
+            corner[0] = (uint32_t)node;
+            for (size_t k = 0; k < d; ++k) {
+                node += stride[ORDERS[order][k]];
+                corner[k + 1] = (uint32_t)node;
+            }
+            if (order % 2 == 1) {
+                corner[d] = corner[d - 1];
+                corner[d - 1] = (uint32_t)node;
+            }
         }
+    }
 }
 
 /* The mesh with cells of these sizes, in place of the one there was. */
 static int32_t take_mesh(sillage_engine *engine, model *m, const sillage_sizes *sizes,
                          sillage_mesh *mesh)
 {
-    double count[2] = {1.0, 1.0};
-    for (unsigned axis = 0; axis < 2; ++axis)
+    const size_t d = m->dimension;
+    double nodes = 1.0, count[3] = {1.0, 1.0, 1.0};
+    for (unsigned axis = 0; axis < d; ++axis) {
         for (uint64_t cell = 0; cell < m->cells[axis]; ++cell)
             count[axis] += parts(m, sizes, axis, cell);
-    if (count[0] * count[1] > NODES_MAX) {
+        nodes *= count[axis];
+    }
+    if (nodes > NODES_MAX) {
         char why[128];
-        snprintf(why, sizeof why, "the sizes ask for %.3g nodes, at most %.3g are possible",
-                 count[0] * count[1], NODES_MAX);
+        snprintf(why, sizeof why, "the sizes ask for %.3g nodes, at most %.3g are possible", nodes,
+                 NODES_MAX);
         return sillage_fail(engine, SILLAGE_FAILURE_ENGINE, why);
     }
-    const uint64_t nx = (uint64_t)count[0] - 1, ny = (uint64_t)count[1] - 1;
-    double *x = lines(m, sizes, 0, nx + 1), *y = lines(m, sizes, 1, ny + 1);
+    double *at[3] = {NULL, NULL, NULL};
+    uint64_t cut[3] = {0}, simplices = d == 2 ? 2 : 6;
+    int enough = 1;
+    for (unsigned axis = 0; axis < d; ++axis) {
+        cut[axis] = (uint64_t)count[axis] - 1;
+        simplices *= cut[axis];
+        at[axis] = lines(m, sizes, axis, cut[axis] + 1);
+        enough = enough && at[axis];
+    }
     free(m->node_position);
-    free(m->triangles);
-    m->node_position = malloc(2 * (nx + 1) * (ny + 1) * sizeof *m->node_position);
-    m->triangles = malloc(6 * nx * ny * sizeof *m->triangles);
-    const int enough = x && y && m->node_position && m->triangles;
+    free(m->simplices);
+    m->node_position = malloc(d * (uint64_t)nodes * sizeof *m->node_position);
+    m->simplices = malloc((d + 1) * simplices * sizeof *m->simplices);
+    enough = enough && m->node_position && m->simplices;
     if (enough)
-        fill_in(m, x, y, nx, ny);
-    free(x);
-    free(y);
+        fill_in(m, at, cut);
+    for (unsigned axis = 0; axis < d; ++axis)
+        free(at[axis]);
     if (!enough)
         return sillage_fail(engine, SILLAGE_FAILURE_ENGINE, "no memory for the mesh");
     /* Corner coordinates and nodal masses are left to the library. */
-    mesh->node_count = (nx + 1) * (ny + 1);
+    mesh->node_count = (uint64_t)nodes;
     mesh->node_position = m->node_position;
-    mesh->simplex_count = 2 * nx * ny;
-    mesh->simplex_nodes = m->triangles;
+    mesh->simplex_count = simplices;
+    mesh->simplex_nodes = m->simplices;
     return 0;
 }
 
@@ -123,14 +156,14 @@ static int32_t configure(sillage_engine *engine, void *user, const sillage_fluid
                          sillage_mesh *mesh)
 {
     model *m = user;
-    if (scene->dimension != 2)
-        return sillage_fail(engine, SILLAGE_FAILURE_SCENE, "stream is for two dimensions");
     if (scene->mesh_file)
-        return sillage_fail(engine, SILLAGE_FAILURE_SCENE, "stream takes rectangles, no mesh files");
+        return sillage_fail(engine, SILLAGE_FAILURE_SCENE,
+                            "stream takes rectangles and boxes, no mesh files");
     for (uint32_t b = 0; b < scene->boundary_count; ++b)
         if (scene->boundaries[b].condition == SILLAGE_PERIODIC)
             return sillage_fail(engine, SILLAGE_FAILURE_SCENE, "stream has no periodic sides");
-    for (unsigned axis = 0; axis < 2; ++axis) {
+    m->dimension = scene->dimension;
+    for (unsigned axis = 0; axis < m->dimension; ++axis) {
         m->weight[axis] = scene->density * scene->gravity[axis];
         m->lower[axis] = scene->lower[axis];
         m->upper[axis] = scene->upper[axis];
@@ -155,13 +188,14 @@ static int32_t advance(sillage_engine *engine, void *user, const sillage_request
     double *gradient = sillage_output(outputs, SILLAGE_FIELD_PRESSURE_GRADIENT);
     double *pressure = sillage_output(outputs, SILLAGE_FIELD_PRESSURE);
     (void)engine, (void)inputs, (void)report;
+    const size_t d = m->dimension;
     for (uint64_t node = 0; node < request->count; ++node) {
-        const double *x = &m->node_position[2 * node];
-        for (unsigned axis = 0; axis < 2; ++axis) {
-            velocity[2 * node + axis] = m->velocity[axis];
-            gradient[2 * node + axis] = m->weight[axis];
+        pressure[node] = 0.0;
+        for (size_t axis = 0; axis < d; ++axis) {
+            velocity[d * node + axis] = m->velocity[axis];
+            gradient[d * node + axis] = m->weight[axis];
+            pressure[node] += m->weight[axis] * m->node_position[d * node + axis];
         }
-        pressure[node] = m->weight[0] * x[0] + m->weight[1] * x[1];
     }
     return 0;
 }
@@ -178,9 +212,8 @@ int main(int argc, char **argv)
         .configure = configure, .advance = advance, .commit = commit, .adapt = adapt};
     model m = {0};
     int code = -1;
-    if (argc == 3)
-        for (unsigned axis = 0; axis < 2; ++axis)
-            m.velocity[axis] = strtod(argv[1 + axis], NULL);
+    for (int axis = 0; axis < 3 && axis + 1 < argc; ++axis)
+        m.velocity[axis] = strtod(argv[1 + axis], NULL);
     sillage_engine *engine = sillage_engine_new("stream-c", "1.0");
     if (engine && sillage_abi_version() == SILLAGE_ABI_VERSION
         && sillage_engine_declare(engine, SILLAGE_ADAPTS) == 0)
@@ -191,6 +224,6 @@ int main(int argc, char **argv)
     }
     sillage_engine_free(engine);
     free(m.node_position);
-    free(m.triangles);
+    free(m.simplices);
     return code;
 }

@@ -8,8 +8,13 @@
  *     sillage_engine_free(engine);
  *     return code;
  *
- * Units are SI, vectors are interleaved (x0, y0, x1, y1, ...) and have as many numbers as the space has
- * dimensions, disks are per metre of depth.
+ * Units are SI. One engine may serve the plane and space: d, 2 or 3, is the scene's `dimension`.
+ *
+ *     vectors     d numbers each, interleaved: x0, y0, x1, y1, ... or x0, y0, z0, x1, y1, z1, ...
+ *     spins       angular velocities: 1 number in the plane (counter-clockwise), a vector of 3 in space
+ *     simplices   d + 1 corners: triangles of 3 nodes, tetrahedra of 4
+ *     walls       d corners: segments, triangles
+ *     grains      disks, per metre of depth; spheres
  *
  * Memory. Everything that the library hands to a function of the engine belongs to the library and
  * is valid until that function returns. What an engine hands to the library is copied before the
@@ -249,7 +254,7 @@ typedef struct sillage_outputs sillage_outputs;
  */
 typedef struct sillage_boundary {
     /*
-     Its name: left, right, bottom, top of a rectangle, or the mesh's.
+     Its name: left, right, bottom, top of a rectangle or box, back, front of a box, or the mesh's.
      */
     const char *name;
     /*
@@ -351,11 +356,11 @@ typedef struct sillage_fluid_scene {
      */
     const char *mesh_file;
     /*
-     Rectangle or box: lower left corner (m), a vector; NULL with a file.
+     Rectangle or box: corner with the lowest coordinates (m), a vector; NULL with a file.
      */
     const double *lower;
     /*
-     Rectangle or box: upper right corner (m), a vector; NULL with a file.
+     Rectangle or box: corner with the highest coordinates (m), a vector; NULL with a file.
      */
     const double *upper;
     /*
@@ -363,12 +368,12 @@ typedef struct sillage_fluid_scene {
      */
     const uint64_t *cells;
     /*
-     Rectangle: ratio of the largest to the smallest cell along each axis, both ends refined; NULL
-     with a file.
+     Rectangle: ratio of the largest to the smallest cell along each axis, both ends refined; a box has
+     1; NULL with a file.
      */
     const double *grading;
     /*
-     Rectangle: 0: diagonals alternate from cell to cell, 1: all the same.
+     Rectangle: 0: diagonals alternate from cell to cell, 1: all the same, as in a box.
      */
     uint32_t uniform_diagonals;
     /*
@@ -437,11 +442,12 @@ typedef struct sillage_mesh {
      */
     const double *node_position;
     /*
-     Number of simplices (triangles in the plane).
+     Number of simplices: triangles in the plane, tetrahedra in space.
      */
     uint64_t simplex_count;
     /*
-     Nodes of each simplex, positively oriented (counter-clockwise), (d + 1) simplex_count numbers.
+     Nodes of each simplex, (d + 1) simplex_count numbers, positively oriented: in the plane
+     counter-clockwise, in space so that (x1 - x0) x (x2 - x0) points to the side of x3.
      */
     const uint32_t *simplex_nodes;
     /*
@@ -450,7 +456,7 @@ typedef struct sillage_mesh {
      */
     const double *simplex_position;
     /*
-     Integral of each node's shape function (m2; m3); NULL: an equal share of its simplices.
+     Integral of each node's shape function (m2; in space m3); NULL: an equal share of its simplices.
      */
     const double *nodal_mass;
     /*
@@ -587,7 +593,8 @@ typedef struct sillage_particle_scene {
     uint64_t wall_count;
     /*
      Walls (m): d corners each, of d numbers. In the plane a segment from its first to its second
-     corner: grains stay on the left of it, and off both ends.
+     corner: grains stay on the left of it, and off both ends. In space a triangle: grains stay on the
+     side from which its corners are seen clockwise, and off its edges.
      */
     const double *walls;
     /*
@@ -635,7 +642,7 @@ typedef struct sillage_grains {
      */
     double *velocity;
     /*
-     Radii (m).
+     Radii (m), of disks or spheres.
      */
     double *radius;
     /*

@@ -13,14 +13,15 @@ pub struct Mesh {
     pub node_count: u64,
     /// Node coordinates (m), d node_count numbers.
     pub node_position: *const f64,
-    /// Number of simplices (triangles in the plane).
+    /// Number of simplices: triangles in the plane, tetrahedra in space.
     pub simplex_count: u64,
-    /// Nodes of each simplex, positively oriented (counter-clockwise), (d + 1) simplex_count numbers.
+    /// Nodes of each simplex, (d + 1) simplex_count numbers, positively oriented: in the plane
+    /// counter-clockwise, in space so that (x1 - x0) x (x2 - x0) points to the side of x3.
     pub simplex_nodes: *const u32,
     /// Coordinates of each simplex's corners (m), unwrapped across periodic sides, d (d + 1)
     /// simplex_count numbers; NULL: those of its nodes.
     pub simplex_position: *const f64,
-    /// Integral of each node's shape function (m2; m3); NULL: an equal share of its simplices.
+    /// Integral of each node's shape function (m2; in space m3); NULL: an equal share of its simplices.
     pub nodal_mass: *const f64,
     /// Period along each axis (m), d numbers, 0 where there is none; NULL: not periodic.
     pub period: *const f64,

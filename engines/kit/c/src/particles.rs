@@ -28,7 +28,8 @@ pub struct ParticleScene {
     /// Number of walls.
     pub wall_count: u64,
     /// Walls (m): d corners each, of d numbers. In the plane a segment from its first to its second
-    /// corner: grains stay on the left of it, and off both ends.
+    /// corner: grains stay on the left of it, and off both ends. In space a triangle: grains stay on the
+    /// side from which its corners are seen clockwise, and off its edges.
     pub walls: *const f64,
     /// Coulomb coefficient between grains.
     pub friction: f64,
@@ -56,7 +57,7 @@ pub struct Grains {
     pub position: *mut f64,
     /// Velocities (m/s), d count numbers.
     pub velocity: *mut f64,
-    /// Radii (m).
+    /// Radii (m), of disks or spheres.
     pub radius: *mut f64,
     /// Masses (kg; disks: kg per metre of depth).
     pub mass: *mut f64,

@@ -34,7 +34,7 @@ pub const SILLAGE_STEADY: u32 = 2;
 #[repr(C)]
 #[derive(Debug)]
 pub struct Boundary {
-    /// Its name: left, right, bottom, top of a rectangle, or the mesh's.
+    /// Its name: left, right, bottom, top of a rectangle or box, back, front of a box, or the mesh's.
     pub name: *const c_char,
     /// One of SILLAGE_NO_SLIP, SILLAGE_SLIP, SILLAGE_PERIODIC, SILLAGE_INFLOW_UNIFORM,
     /// SILLAGE_INFLOW_PARABOLIC, SILLAGE_OPEN, SILLAGE_MOVING_WALL.
@@ -63,16 +63,16 @@ pub struct FluidScene {
     pub gravity: *const f64,
     /// A Gmsh file, 2.2 or 4.1, ASCII or binary; NULL: a rectangle, in space a box. See `mesh_scale` and `mesh_surfaces`.
     pub mesh_file: *const c_char,
-    /// Rectangle or box: lower left corner (m), a vector; NULL with a file.
+    /// Rectangle or box: corner with the lowest coordinates (m), a vector; NULL with a file.
     pub lower: *const f64,
-    /// Rectangle or box: upper right corner (m), a vector; NULL with a file.
+    /// Rectangle or box: corner with the highest coordinates (m), a vector; NULL with a file.
     pub upper: *const f64,
     /// Rectangle or box: cells along each axis, two triangles or six tetrahedra each; NULL with a file.
     pub cells: *const u64,
-    /// Rectangle: ratio of the largest to the smallest cell along each axis, both ends refined; NULL
-    /// with a file.
+    /// Rectangle: ratio of the largest to the smallest cell along each axis, both ends refined; a box has
+    /// 1; NULL with a file.
     pub grading: *const f64,
-    /// Rectangle: 0: diagonals alternate from cell to cell, 1: all the same.
+    /// Rectangle: 0: diagonals alternate from cell to cell, 1: all the same, as in a box.
     pub uniform_diagonals: u32,
     /// 0: creeping flow, no v.grad v.
     pub convection: u32,

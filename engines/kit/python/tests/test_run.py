@@ -9,6 +9,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[4]
 SILLAGE = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "sillage"
+SPACE = ROOT / "orchestration/sillage/tests/engines/space.toml"
 pytestmark = pytest.mark.skipif(not SILLAGE.exists(), reason="sillage is not built: cargo build --release")
 
 SCENE = """
@@ -28,6 +29,36 @@ upper = [0.1, 0.2]
 friction = 0.0
 tolerance = 1e-3
 [engines]
+particles = { command = %r }
+[output]
+frames = false
+"""
+
+
+IN_SPACE = """
+[run]
+end_time = 0.1
+coupling_step = 0.002
+[gravity]
+acceleration = [0.0, -9.81, 0.0]
+[fluid]
+density = 1000.0
+dynamic_viscosity = 1e-3
+domain.box = { lower = [0.0, 0.0, 0.0], upper = [0.02, 0.02, 0.02], cells = [4, 4, 4] }
+boundaries.all = "no-slip"
+[[grains]]
+density = 1000.0
+radius = 2e-4
+velocity = [0.01, 0.05, -0.02]
+lattice = { lower = [2e-3, 1.5e-3, 9e-3], upper = [4e-3, 7e-3, 11e-3], spacing = 1e-3, pattern = "cubic" }
+[contact]
+friction = 0.0
+tolerance = 1e-3
+[coupling]
+scheme = "staggered"
+reaction = false
+[engines]
+fluid = { command = %r }
 particles = { command = %r }
 [output]
 frames = false
@@ -59,6 +90,33 @@ def test_the_example_of_the_readme_runs(tmp_path):
     rows = (tmp_path / "out/steps.csv").read_text().splitlines()
     last = dict(zip(rows[0].split(","), rows[-1].split(",")))
     assert abs(float(last["fall_speed"]) - 9.81 * 0.05) < 1e-12
+
+
+def test_both_engines_make_a_run_in_space_whose_grains_move_with_the_stream(tmp_path):
+    stream = ROOT / "engines/kit/python/examples/stream.py"
+    (tmp_path / "falling.py").write_text(readme_engine())
+    fluid = [sys.executable, str(stream), "0.01", "0.05", "-0.02"]
+    (tmp_path / "scene.toml").write_text(IN_SPACE % (fluid, [sys.executable, "falling.py"]))
+    command = [SILLAGE, "run", tmp_path / "scene.toml", "--out", tmp_path / "out"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    names, *rows = [line.split(",") for line in (tmp_path / "out/steps.csv").read_text().splitlines()]
+    column = {name: [float(row[k]) for row in rows] for k, name in enumerate(names) if rows[0][k]}
+    duration = column["time"][-1] - column["time"][0]
+    speed = [(column[f"centre_{axis}"][-1] - column[f"centre_{axis}"][0]) / duration for axis in "xyz"]
+    print(f"\nspheres move at {speed} m/s")
+    assert max(abs(found - given) for found, given in zip(speed, (0.01, 0.05, -0.02))) < 1e-9
+
+
+@pytest.mark.parametrize("seat", ["fluid", "particles"])
+def test_the_examples_pass_every_check_in_space(seat, tmp_path):
+    (tmp_path / "falling.py").write_text(readme_engine())
+    stream = ROOT / "engines/kit/python/examples/stream.py"
+    words = {"fluid": [stream, "0.01", "0.0", "0.02"], "particles": [tmp_path / "falling.py"]}[seat]
+    command = [SILLAGE, "conform", "--as", seat, "--scene", SPACE, "--", sys.executable, *words]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    print(done.stdout)
+    assert done.returncode == 0 and " 0 failed" in done.stdout
 
 
 @pytest.mark.parametrize(

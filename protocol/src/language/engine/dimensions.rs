@@ -19,6 +19,17 @@ pub struct PlaneOrSpace<P, S> {
     in_space: bool,
 }
 
+impl<P, S> PlaneOrSpace<P, S> {
+    /// Of these two.
+    pub fn new(plane: P, space: S) -> PlaneOrSpace<P, S> {
+        PlaneOrSpace {
+            plane,
+            space,
+            in_space: false,
+        }
+    }
+}
+
 impl<P: FluidEngine, S: FluidEngine> PlaneOrSpace<P, S> {
     fn fluid(&mut self) -> &mut dyn FluidEngine {
         match self.in_space {

@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use crate::programs::{NO_LEAKS, compile, sillage, text};
+use crate::programs::{NO_LEAKS, compile, kit, sillage, text};
 
 #[test]
 fn wrong_calls_are_refused_in_words() {
@@ -18,15 +18,20 @@ fn wrong_calls_are_refused_in_words() {
 #[test]
 fn engines_in_c_pass_every_check() {
     let folder = tempfile::tempdir().expect("a folder");
-    for (seat, source, skipped) in [
-        ("particles", "examples/falling.c", 0),
-        ("fluid", "examples/stream.c", 1),
+    let space = kit().join("../../../orchestration/sillage/tests/engines/space.toml");
+    let space = ["--scene".to_owned(), space.display().to_string()];
+    for (seat, source, scene, skipped) in [
+        ("particles", "examples/falling.c", &[][..], 0),
+        ("fluid", "examples/stream.c", &[], 1),
+        ("particles", "examples/falling.c", &space, 0),
+        ("fluid", "examples/stream.c", &space, 1),
     ] {
         let program = compile(source, folder.path());
         let mut command = sillage();
-        command.args(["conform", "--as", seat, "--"]).arg(program);
+        command.args(["conform", "--as", seat]).args(scene);
+        command.arg("--").arg(program);
         if seat == "fluid" {
-            command.args(["0.01", "0"]);
+            command.args(["0.01", "0", "0.02"]);
         }
         let output = command.output().expect("started");
         let words = text(&output);

@@ -135,6 +135,62 @@ fn a_mesh_in_c_follows_the_grains() {
     assert!(speed.iter().all(|speed| (speed + 0.05).abs() < 1e-9));
 }
 
+/// The same engines in a box: v = (0.01, 0.05, −0.02) m/s, and tetrahedra go with the grains.
+#[test]
+fn both_engines_in_c_make_a_run_in_space() {
+    let place = tempfile::tempdir().expect("a folder");
+    let [grains, stream] = ["examples/falling.c", "examples/stream.c"]
+        .map(|source| compile(source, place.path()).display().to_string());
+    let text = r#"
+run = { end_time = 0.1, coupling_step = 2e-3 }
+gravity.acceleration = [0.0, -9.81, 0.0]
+contact = { friction = 0.3, tolerance = 1e-3 }
+coupling = { drag = "dallavalle", scheme = "staggered", reaction = false }
+output = { every = 0.05, frames = false }
+[fluid]
+density = 1000.0
+dynamic_viscosity = 1e-3
+domain.box = { lower = [0.0, 0.0, 0.0], upper = [0.02, 0.02, 0.02], cells = [4, 4, 4] }
+refinement = { near_grains = 2.5e-3, margin = 2e-3 }
+[fluid.boundaries]
+all = "no-slip"
+[[grains]]
+density = 1000.0
+radius = 2e-4
+velocity = [0.01, 0.05, -0.02]
+lattice = { lower = [2e-3, 1.5e-3, 9e-3], upper = [4e-3, 7e-3, 11e-3], spacing = 1e-3, pattern = "cubic" }
+"#;
+    let scene = place.path().join("scene.toml");
+    std::fs::write(&scene, text).expect("written");
+    let engines = [
+        format!("engines.particles.command=[{grains:?}]"),
+        format!("engines.fluid.command=[{stream:?}, \"0.01\", \"0.05\", \"-0.02\"]"),
+    ];
+    let out = place.path().join("run");
+    run(&scene, &engines, &out);
+    let names = [
+        "time",
+        "fall_speed",
+        "centre_x",
+        "centre_z",
+        "nodes",
+        "epoch",
+    ];
+    let [time, speed, x, z, nodes, epoch] = names.map(|name| column(&out, name));
+    println!("time (s)  rise (m/s)       x (m)      z (m)      nodes  epoch");
+    for k in (4..time.len()).step_by(15) {
+        println!(
+            "{:8.3}  {:.12}  {:.7}  {:.7}  {:6}  {:5}",
+            time[k], -speed[k], x[k], z[k], nodes[k], epoch[k]
+        );
+    }
+    let last = time.len() - 1;
+    let gone = |along: &[f64]| (along[last] - along[0]) / (time[last] - time[0]);
+    assert!(speed.iter().all(|speed| (speed + 0.05).abs() < 1e-9));
+    assert!((gone(&x) - 0.01).abs() < 1e-9 && (gone(&z) + 0.02).abs() < 1e-9);
+    assert!(epoch[last] > epoch[0] && nodes.iter().all(|&nodes| nodes > 125.0));
+}
+
 /// Grains that touch nobody move as those of the built-in engine, and a run goes on from where some have left.
 #[test]
 fn grains_in_c_leave_and_a_run_without_them_goes_on_to_the_bit() {

@@ -59,7 +59,7 @@ class FluidEngine(_Engine):
         """Build the mesh and the initial state; return a :class:`sillage.Mesh`.
 
         ``scene`` is a ``dict`` with the keys of ``FluidScene`` (protocol/src/language/scene), SI units.
-        ``scene["dimension"]`` is 2 or 3. Raise :class:`sillage.SceneError` for what this engine cannot do,
+        ``scene["dimension"]`` d is 2 or 3; ``scene["mesh"]`` is ``{"rectangle": …}``, ``{"box": …}`` or ``{"file": …}``. Raise :class:`sillage.SceneError` for what this engine cannot do,
         with the key and the value.
         """
         raise NotImplementedError
@@ -94,7 +94,9 @@ class ParticleEngine(_Engine):
 
     def configure(self, scene, grains):
         """Take the scene's part and the initial :class:`sillage.Grains`; return those that will be
-        run, or ``None`` for the same ones. ``scene`` has the keys of ``ParticleScene``.
+        run, or ``None`` for the same ones. ``scene`` has the keys of ``ParticleScene``; d is ``scene["dimension"]``.
+        Each of ``scene["walls"]`` has d ``corners`` of d numbers: a segment with the grains on its left, or a triangle
+        with the grains on the side from which its corners are seen clockwise.
         """
         raise NotImplementedError
 
@@ -105,7 +107,7 @@ class ParticleEngine(_Engine):
         ``grain_force`` q [N, g × d]. ``outputs``: ``grain_position`` [m, g × d], ``grain_velocity`` at the
         end [m/s, g × d], ``grain_mean_velocity`` (displacement over dt, before periodic wrapping) [m/s, g × d],
         ``grain_contact`` (0 free, 1 touches, 2 held by a wall) [g], with the capability ``"spin"`` also
-        ``grain_spin`` (counter-clockwise) [rad/s, g]; all must be written.
+        ``grain_spin`` [rad/s; g in the plane, counter-clockwise; g × 3 in space]; all must be written.
 
         Returns a :class:`sillage.ParticleReport` with the sub-steps that were taken (1 where the step is
         not cut): the coupler models the drag over them. Exceptions as in :meth:`FluidEngine.advance`.

@@ -4,8 +4,8 @@ import numpy as np
 
 from ._native import FIELDS, ViewError
 
-#: Fields with as many numbers for each node or grain as the space has dimensions; all others have one.
-VECTORS = frozenset(name for name, rank, _, _ in FIELDS if rank == "vector")
+#: Rank of each field: how many numbers a node or a grain has, see :func:`components`.
+RANKS = {name: rank for name, rank, _, _ in FIELDS}
 
 #: What a field is where it is not sent.
 DEFAULTS = {name: default for name, _, default, _ in FIELDS if default is not None}
@@ -16,11 +16,17 @@ INPUTS = {
 }
 
 
+def components(name, dimension):
+    """Numbers of a node or a grain: of a scalar 1, of a vector d, of an angular velocity 1 in the plane and 3
+    in space."""
+    return {"vector": dimension, "spin": dimension * (dimension - 1) // 2}.get(RANKS[name], 1)
+
+
 class Fields:
     """Fields by name: ``inputs.porosity``, ``outputs.pressure[:] = p``.
 
     Each is a :class:`numpy.ndarray` of ``float64`` in SI units, shape ``(n,)``, or ``(n, d)`` for a
-    vector in d dimensions, that looks at the shared memory itself: nothing is copied. Inputs are read-only, outputs
+    vector in d dimensions (``grain_spin``: ``(n,)`` in the plane, ``(n, 3)`` in space), that looks at the shared memory itself: nothing is copied. Inputs are read-only, outputs
     are writable and filled with NaN until they are written. An input that was not sent is a read-only
     array of its default, see :meth:`given`.
 
@@ -52,8 +58,8 @@ class Fields:
         if name in self._missing:
             if not self._open:
                 raise ViewError(f"{name} was read after its step")
-            shape = self._missing[name]
-            shape = shape if name in VECTORS else shape[:1]
+            count, dimension = self._missing[name]
+            shape = (count, dimension) if RANKS[name] == "vector" else (count,)
             return np.broadcast_to(np.float64(DEFAULTS.get(name, 0.0)), shape)
         known = ", ".join([*self._buffers, *self._missing])
         raise AttributeError(f"there is no field {name!r} here; there are {known}")

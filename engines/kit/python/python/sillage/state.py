@@ -25,14 +25,15 @@ def _numbers(name, values, *shape):
 
 @dataclass
 class Mesh:
-    """The mesh of a fluid engine: linear shape functions on simplices (triangles in the plane); SI units.
+    """The mesh of a fluid engine: linear shape functions on simplices (triangles in the plane, tetrahedra in space); SI units.
 
     The engine keeps the arrays, Sillage takes a copy.
     """
 
     #: Coordinates [m], n × d.
     nodes: np.ndarray
-    #: Corners of the simplices, s × (d + 1), positively oriented (counter-clockwise), from 0.
+    #: Corners of the simplices, s × (d + 1), from 0, positively oriented: in the plane counter-clockwise, in space so
+    #: that (x₁ − x₀) × (x₂ − x₀) points to the side of x₃.
     simplices: np.ndarray
     #: Coordinates of the corners [m], s × (d + 1) × d; needed where one crosses a periodic boundary.
     simplex_position: np.ndarray | None = None
@@ -77,7 +78,7 @@ class Mesh:
 
 @dataclass
 class Grains:
-    """Grains as they are when a run begins; SI units, disks per metre of depth.
+    """Grains as they are when a run begins: spheres, or disks per metre of depth; SI units.
 
     The arrays are the engine's own: it may keep and change them.
     """

@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _native
 from ._native import EngineFailed
-from .fields import VECTORS
+from .fields import components
 from .seat import Seat
 
 __all__ = ["Candidate", "EngineFailed", "FluidDriver", "ParticleDriver", "fluid_scene", "particle_scene"]
@@ -27,7 +27,8 @@ class Candidate(dict):
         self.diagnostics = dict(diagnostics)
         for name, data in arrays:
             values = np.frombuffer(data, dtype=np.float64)
-            self[name] = values.reshape(-1, dimension) if name in VECTORS else values
+            width = components(name, dimension)
+            self[name] = values.reshape(-1, width) if width > 1 else values
 
     __getattr__ = dict.__getitem__
 
@@ -109,43 +110,39 @@ class ParticleDriver(_Driver):
         return self._native.remove([int(grain) for grain in grains])
 
 
-def fluid_scene(**changes):
-    """A scene's part for a fluid engine: water-like fluid at rest in a closed unit square."""
-    rectangle = {
-        "lower": [0.0, 0.0],
-        "upper": [1.0, 1.0],
-        "cells": [8, 8],
-        "diagonals": "alternate",
-        "grading": [1.0, 1.0],
-    }
+def fluid_scene(dimension=2, **changes):
+    """A scene's part for a fluid engine: water-like fluid at rest in a closed unit square, or cube."""
+    whole = {"lower": [0.0] * dimension, "upper": [1.0] * dimension, "cells": [8] * dimension}
+    rectangle = whole | {"diagonals": "alternate", "grading": [1.0, 1.0]}
+    sides = ("left", "right", "bottom", "top", "back", "front")[: 2 * dimension]
     scene = {
-        "dimension": 2,
+        "dimension": dimension,
         "density": 1000.0,
         "dynamic_viscosity": 1.0,
-        "gravity": [0.0, -9.81],
-        "mesh": {"rectangle": rectangle},
-        "boundaries": {side: "no-slip" for side in ("left", "right", "bottom", "top")},
+        "gravity": [0.0, -9.81, 0.0][:dimension],
+        "mesh": {"rectangle": rectangle} if dimension == 2 else {"box": whole},
+        "boundaries": {side: "no-slip" for side in sides},
         "convection": True,
         "time_scheme": "backward-euler",
         "nonlinear": "picard",
         "viscous_form": "symmetric",
         "grad_div": 1.0,
-        "initial_velocity": [0.0, 0.0],
+        "initial_velocity": [0.0] * dimension,
         "threads": 1,
     }
     return scene | changes
 
 
-def particle_scene(**changes):
-    """A scene's part for a particle engine: gravity, no walls, no friction."""
+def particle_scene(dimension=2, **changes):
+    """A scene's part for a particle engine of disks, or of spheres: gravity, no walls, no friction."""
     scene = {
-        "dimension": 2,
-        "gravity": [0.0, -9.81],
+        "dimension": dimension,
+        "gravity": [0.0, -9.81, 0.0][:dimension],
         "walls": [],
-        "period": [None, None],
+        "period": [None] * dimension,
         "friction": 0.0,
         "wall_friction": 0.0,
-        "inertia_factor": 0.5,
+        "inertia_factor": 0.5 if dimension == 2 else 0.4,
         "tolerance": 1e-3,
         "sweeps_max": 10000,
         "sub_steps_max": 10000,
