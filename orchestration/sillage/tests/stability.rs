@@ -53,6 +53,46 @@ fn the_default_is_stable_at_the_corners_of_a_map_and_the_explicit_scheme_is_not(
 }
 
 #[test]
+fn the_maps_of_space_are_those_of_the_plane_and_the_default_is_stable_there() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let names = |dimension: &str| -> Vec<String> {
+        let list = document(&stability(
+            folder.path(),
+            &["--dimension", dimension, "--list", "--json"],
+        ));
+        let maps = list.as_array().expect("a list").iter();
+        maps.map(|map| {
+            assert_eq!(map["dimension"].to_string(), dimension);
+            map["name"].as_str().expect("a name").to_owned()
+        })
+        .collect()
+    };
+    assert_eq!(names("2"), names("3"));
+    let arguments = [
+        "--dimension",
+        "3",
+        "--quick",
+        "--axes",
+        "stiffness-porosity",
+        "--json",
+    ];
+    let output = stability(folder.path(), &arguments);
+    let found = document(&output);
+    println!("{:#}", found["counts"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(found["maps"][0]["dimension"], 3);
+    assert_eq!(found["counts"]["iterated"]["stable"], 12);
+    assert!(found["counts"]["explicit"]["growth"].as_u64() >= Some(1));
+    let out = folder.path().join("stability-3d");
+    let table = std::fs::read_to_string(out.join("stability.csv")).expect("a table");
+    assert_eq!(table.lines().count(), 1 + 12 + 3 * 4);
+    let refused = stability(folder.path(), &["--dimension", "4"]);
+    let words = String::from_utf8_lossy(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(words.contains("2, the plane, or 3, space"), "{words}");
+}
+
+#[test]
 fn pairs_of_axes_are_listed_and_an_unknown_one_is_refused_with_the_nearest() {
     let folder = tempfile::tempdir().expect("a folder");
     let list = document(&stability(folder.path(), &["--list", "--json"]));

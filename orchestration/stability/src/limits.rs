@@ -10,7 +10,7 @@
 //! ```
 //!
 //! In (L1) the mixture's volume flux is zero; M holds the inertia of both phases. Laws of γ: Stokes,
-//! 12 μ A/d, and Dallavalle with φ^−1.8, of which γ w has a closed inverse. They are written here
+//! 12 μ A/d (6πμr of a sphere), and Dallavalle with φ^−1.8, of which γ w has a closed inverse. They are written here
 //! again and not taken from the coupler, which is what they judge.
 
 use std::f64::consts::PI;
@@ -30,10 +30,12 @@ pub enum Shape {
     /// A disk, per metre of depth.
     Disk,
     /// A sphere in a slab of this depth \[m\]: of any solid fraction without a contact.
-    Sphere {
+    SphereInSlab {
         /// Depth of the slab \[m\].
         depth: f64,
     },
+    /// A sphere in space.
+    Sphere,
 }
 
 /// A uniform suspension, SI units.
@@ -61,14 +63,14 @@ impl Suspension {
         let disk = PI * self.radius.powi(2);
         match self.shape {
             Shape::Disk => disk,
-            Shape::Sphere { .. } => 4.0 / 3.0 * disk * self.radius,
+            Shape::SphereInSlab { .. } | Shape::Sphere => 4.0 / 3.0 * disk * self.radius,
         }
     }
 
     /// Depth of a slab that is thinner than a grain is wide \[m\].
     pub fn thin_slab(&self) -> Option<f64> {
         match self.shape {
-            Shape::Sphere { depth } if depth < 2.0 * self.radius => Some(depth),
+            Shape::SphereInSlab { depth } if depth < 2.0 * self.radius => Some(depth),
             _ => None,
         }
     }
@@ -76,7 +78,7 @@ impl Suspension {
     fn frontal_area(&self) -> f64 {
         match self.shape {
             Shape::Disk => 2.0 * self.radius,
-            Shape::Sphere { .. } => PI * self.radius.powi(2),
+            Shape::SphereInSlab { .. } | Shape::Sphere => PI * self.radius.powi(2),
         }
     }
 

@@ -1,8 +1,10 @@
 //! The maps: pairs of axes with the scene at each of their points.
 
+use crate::dimension::Dimension;
 use crate::limits::{Law, Shape, Suspension};
 use crate::plugs::{Packing, plug};
 use crate::scenes::{self, Case};
+use crate::suspended::Suspended;
 
 /// A pair of axes.
 pub struct Map {
@@ -16,8 +18,21 @@ pub struct Map {
     pub up: Axis,
     /// Are there two phases, so that schemes differ?
     pub coupled: bool,
+    /// In the plane or in space?
+    pub dimension: Dimension,
     /// The scene at a point (value across, value up).
-    pub case: fn(f64, f64) -> Case,
+    scene: fn(Dimension, f64, f64) -> Case,
+}
+
+impl Map {
+    /// The scene at a point, by its places on the axes.
+    pub fn case(&self, across: usize, up: usize) -> Case {
+        (self.scene)(
+            self.dimension,
+            self.across.values[across],
+            self.up.values[up],
+        )
+    }
 }
 
 /// An axis.
@@ -70,12 +85,17 @@ fn stiffness() -> Axis {
     Axis::new("Δt/τ_p", &values, &[0, 3, 6, 10])
 }
 
-fn porosity() -> Axis {
-    let values = [0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 0.99, 0.999];
+fn porosity(dimension: Dimension) -> Axis {
+    // Spheres in a thin slab may be denser than any packing.
+    let densest: &[f64] = match dimension {
+        Dimension::Plane => &[0.1, 0.2, 0.3],
+        Dimension::Space => &[0.27, 0.3, 0.4],
+    };
+    let values = [densest, &[0.5, 0.7, 0.9, 0.99, 0.999]].concat();
     Axis::new("porosity φ", &values, &[0, 3, 7])
 }
 
-fn materials() -> Vec<(String, Suspension)> {
+fn materials(dimension: Dimension) -> Vec<(String, Suspension)> {
     let text = include_str!("materials.csv");
     let rows = text.lines().filter(|line| !line.starts_with('#')).skip(1);
     rows.map(|line| {
@@ -83,7 +103,10 @@ fn materials() -> Vec<(String, Suspension)> {
         let number = |column: usize| cells[column].parse().expect("a table of this crate");
         let pair = Suspension {
             law: Law::Dallavalle,
-            shape: Shape::Disk,
+            shape: match dimension {
+                Dimension::Plane => Shape::Disk,
+                Dimension::Space => Shape::Sphere,
+            },
             radius: number(2),
             grain_density: number(1),
             density: number(3),
@@ -95,8 +118,8 @@ fn materials() -> Vec<(String, Suspension)> {
     .collect()
 }
 
-fn pairs() -> Axis {
-    let materials = materials();
+fn pairs(dimension: Dimension) -> Axis {
+    let materials = materials(dimension);
     let last = materials.len() - 1;
     Axis {
         name: "material pair",
@@ -106,47 +129,48 @@ fn pairs() -> Axis {
     }
 }
 
-fn pair(place: f64, solid_fraction: f64) -> Suspension {
-    let (_, pair) = materials().swap_remove(place as usize);
+fn pair(dimension: Dimension, place: f64, solid_fraction: f64) -> Suspension {
+    let (_, pair) = materials(dimension).swap_remove(place as usize);
     Suspension {
         porosity: 1.0 - solid_fraction,
         ..pair
     }
 }
 
-/// Spheres of this size over the cells.
-const SIZE: f64 = 0.125;
-
-/// Every map.
-pub fn all() -> Vec<Map> {
-    vec![
-        stiffness_porosity(),
-        stiffness_loading(),
-        density_porosity(),
-        stiffness_reynolds(),
-        stiffness_size(),
-        courant_peclet(),
-        stiffness_stack(),
-        radius_contacts(),
-        step_pair(),
-        fraction_pair(),
-        grains_roughness(),
-        stiffness_roughness(),
-    ]
+/// Every map of the plane, or of space.
+pub fn all(dimension: Dimension) -> Vec<Map> {
+    let maps = [
+        stiffness_porosity,
+        stiffness_loading,
+        density_porosity,
+        stiffness_reynolds,
+        stiffness_size,
+        courant_peclet,
+        stiffness_stack,
+        radius_contacts,
+        step_pair,
+        fraction_pair,
+        grains_roughness,
+        stiffness_roughness,
+    ];
+    maps.map(|map| map(dimension)).into()
 }
 
-fn stiffness_porosity() -> Map {
+fn stiffness_porosity(dimension: Dimension) -> Map {
     Map {
         name: "stiffness-porosity",
         title: "closed column, ρ_p/ρ = 2.5; limit: slip of zero volume flux",
         across: stiffness(),
-        up: porosity(),
+        up: porosity(dimension),
         coupled: true,
-        case: |stiffness, porosity| scenes::column(stiffness, porosity, 2.5, SIZE),
+        dimension,
+        scene: |dimension, stiffness, porosity| {
+            scenes::column(&Suspended::fine(dimension, porosity, 2.5), stiffness)
+        },
     }
 }
 
-fn stiffness_loading() -> Map {
+fn stiffness_loading(dimension: Dimension) -> Map {
     Map {
         name: "stiffness-loading",
         title: "closed column, φ = 0.7; limit: slip of zero volume flux",
@@ -157,11 +181,15 @@ fn stiffness_loading() -> Map {
             &[0, 3, 7],
         ),
         coupled: true,
-        case: |stiffness, loading| scenes::column(stiffness, 0.7, loading * 0.7 / 0.3, SIZE),
+        dimension,
+        scene: |dimension, stiffness, loading| {
+            let ratio = loading * 0.7 / 0.3;
+            scenes::column(&Suspended::fine(dimension, 0.7, ratio), stiffness)
+        },
     }
 }
 
-fn density_porosity() -> Map {
+fn density_porosity(dimension: Dimension) -> Map {
     Map {
         name: "density-porosity",
         title: "closed column, Δt/τ_p = 1e3; limit: slip of zero volume flux",
@@ -170,13 +198,16 @@ fn density_porosity() -> Map {
             &[1e-3, 1e-2, 0.1, 0.5, 1.0, 2.0, 10.0, 1e2, 1e3, 1e4],
             &[0, 4, 5, 9],
         ),
-        up: porosity(),
+        up: porosity(dimension),
         coupled: true,
-        case: |ratio, porosity| scenes::column(1e3, porosity, ratio, SIZE),
+        dimension,
+        scene: |dimension, ratio, porosity| {
+            scenes::column(&Suspended::fine(dimension, porosity, ratio), 1e3)
+        },
     }
 }
 
-fn stiffness_reynolds() -> Map {
+fn stiffness_reynolds(dimension: Dimension) -> Map {
     Map {
         name: "stiffness-reynolds",
         title: "grains shot into fluid at rest, periodic, φ = 0.9; limit: common velocity",
@@ -187,26 +218,36 @@ fn stiffness_reynolds() -> Map {
             &[0, 2, 5],
         ),
         coupled: true,
-        case: |stiffness, reynolds| scenes::drift(reynolds, stiffness),
+        dimension,
+        scene: |dimension, stiffness, reynolds| scenes::drift(dimension, reynolds, stiffness),
     }
 }
 
-fn stiffness_size() -> Map {
+fn stiffness_size(dimension: Dimension) -> Map {
     Map {
         name: "stiffness-size",
         title: "closed column, φ = 0.8, ρ_p/ρ = 2.5; limit: slip of zero volume flux",
         across: stiffness(),
-        up: Axis::new(
-            "grain/cell size d/h",
-            &[2e-3, 2e-2, 0.125, 0.25, 0.5, 1.0, 2.0],
-            &[0, 3, 6],
-        ),
+        up: match dimension {
+            Dimension::Plane => {
+                let sizes = [2e-3, 2e-2, 0.125, 0.25, 0.5, 1.0, 2.0];
+                Axis::new("grain/cell size d/h", &sizes, &[0, 3, 6])
+            }
+            // As many as make whole cubes of a cell, or whole cells of a cube.
+            Dimension::Space => {
+                let sizes = [0.11, 0.15, 0.23, 0.46, 0.91, 1.8];
+                Axis::new("grain/cell size d/h", &sizes, &[0, 3, 5])
+            }
+        },
         coupled: true,
-        case: |stiffness, size| scenes::column(stiffness, 0.8, 2.5, size),
+        dimension,
+        scene: |dimension, stiffness, size| {
+            scenes::column(&Suspended::of_size(dimension, 0.8, 2.5, size), stiffness)
+        },
     }
 }
 
-fn courant_peclet() -> Map {
+fn courant_peclet(dimension: Dimension) -> Map {
     Map {
         name: "courant-peclet",
         title: "a lattice that moves with the fluid, periodic; limit: it goes on",
@@ -221,11 +262,12 @@ fn courant_peclet() -> Map {
             &[0, 2, 5],
         ),
         coupled: true,
-        case: scenes::translation,
+        dimension,
+        scene: scenes::translation,
     }
 }
 
-fn stiffness_stack() -> Map {
+fn stiffness_stack(dimension: Dimension) -> Map {
     Map {
         name: "stiffness-stack",
         title: "stack held by its floor at U_mf/2; limit: its pressure drop",
@@ -236,11 +278,12 @@ fn stiffness_stack() -> Map {
             &[0, 1, 2],
         ),
         coupled: true,
-        case: |stiffness, layers| scenes::held(layers, stiffness),
+        dimension,
+        scene: |dimension, stiffness, layers| scenes::held(dimension, layers, stiffness),
     }
 }
 
-fn radius_contacts() -> Map {
+fn radius_contacts(dimension: Dimension) -> Map {
     Map {
         name: "radius-contacts",
         title: "dry grains falling into a box; limit: rest",
@@ -255,30 +298,35 @@ fn radius_contacts() -> Map {
             &[0, 2, 3],
         ),
         coupled: false,
-        case: scenes::pile,
+        dimension,
+        scene: scenes::pile,
     }
 }
 
-fn step_pair() -> Map {
+fn step_pair(dimension: Dimension) -> Map {
     Map {
         name: "step-pair",
         title: "closed column under real gravity, c = 0.2; limit: fall at zero volume flux",
         across: Axis::new("Δt [s]", &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2], &[0, 3, 4]),
-        up: pairs(),
+        up: pairs(dimension),
         coupled: true,
-        case: |step, place| scenes::pair(pair(place, 0.2), step),
+        dimension,
+        scene: |dimension, step, place| scenes::pair(dimension, pair(dimension, place, 0.2), step),
     }
 }
 
-fn fraction_pair() -> Map {
+fn fraction_pair(dimension: Dimension) -> Map {
     Map {
         name: "fraction-pair",
         title: "closed column under real gravity, Δt = 1 ms; limit: fall at zero volume flux",
         // 0.8 of the table is denser than disks on a square lattice.
         across: Axis::new("solid fraction", &[0.01, 0.05, 0.2, 0.6], &[0, 3]),
-        up: pairs(),
+        up: pairs(dimension),
         coupled: true,
-        case: |fraction, place| scenes::pair(pair(place, fraction), 1e-3),
+        dimension,
+        scene: |dimension, fraction, place| {
+            scenes::pair(dimension, pair(dimension, place, fraction), 1e-3)
+        },
     }
 }
 
@@ -295,22 +343,28 @@ fn packing(place: f64) -> Packing {
     Packing::ALL[place as usize]
 }
 
-fn grains_roughness() -> Map {
+fn grains_roughness(dimension: Dimension) -> Map {
     Map {
         name: "grains-roughness",
         title: "plug of fixed grains in a channel, Δt/τ_f = 1e3; limit: the uniform flow that comes in",
-        across: Axis::new(
-            "grains a cell",
-            &[16.0, 64.0, 160.0, 400.0, 630.0],
-            &[0, 2, 4],
-        ),
+        across: match dimension {
+            Dimension::Plane => {
+                let counts = [16.0, 64.0, 160.0, 400.0, 630.0];
+                Axis::new("grains a cell", &counts, &[0, 2, 4])
+            }
+            Dimension::Space => {
+                let counts = [64.0, 125.0, 216.0, 343.0, 512.0];
+                Axis::new("grains a cell", &counts, &[0, 2, 4])
+            }
+        },
         up: packings(),
         coupled: true,
-        case: |per_cell, place| plug(packing(place), per_cell, 1e3),
+        dimension,
+        scene: |dimension, per_cell, place| plug(dimension, packing(place), per_cell, 1e3),
     }
 }
 
-fn stiffness_roughness() -> Map {
+fn stiffness_roughness(dimension: Dimension) -> Map {
     let values: Vec<f64> = (-2..=7).map(|k| 10_f64.powi(k)).collect();
     Map {
         name: "stiffness-roughness",
@@ -318,7 +372,8 @@ fn stiffness_roughness() -> Map {
         across: Axis::new("Δt/τ_f", &values, &[0, 3, 9]),
         up: packings(),
         coupled: true,
-        case: |stiffness, place| plug(packing(place), 64.0, stiffness),
+        dimension,
+        scene: |dimension, stiffness, place| plug(dimension, packing(place), 64.0, stiffness),
     }
 }
 
@@ -328,7 +383,7 @@ mod tests {
 
     #[test]
     fn axes_span_the_ranges_asked_for() {
-        let maps = all();
+        let maps = all(Dimension::Plane);
         let ends = |axis: &str| {
             let found = maps.iter().flat_map(|map| [&map.across, &map.up]);
             let axis = found
@@ -348,7 +403,10 @@ mod tests {
 
     #[test]
     fn quick_begins_at_the_lower_end() {
-        for map in all() {
+        for map in [Dimension::Plane, Dimension::Space]
+            .into_iter()
+            .flat_map(all)
+        {
             for axis in [&map.across, &map.up] {
                 assert_eq!(axis.quick[0], 0, "{}: {}", map.name, axis.name);
                 assert!(axis.quick.iter().all(|&place| place < axis.values.len()));

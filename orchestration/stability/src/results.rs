@@ -19,6 +19,8 @@ pub struct MapResult {
     pub name: &'static str,
     /// What was run.
     pub title: &'static str,
+    /// 2 or 3.
+    pub dimension: usize,
     /// From left to right.
     pub across: AxisResult,
     /// From bottom to top.
@@ -73,6 +75,7 @@ impl MapResult {
         MapResult {
             name: map.name,
             title: map.title,
+            dimension: map.dimension.axes(),
             across: axis(&map.across),
             up: axis(&map.up),
             coupled: map.coupled,

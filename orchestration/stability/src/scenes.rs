@@ -1,7 +1,12 @@
 //! The small scenes, and what each must come to. A scene is the text of a TOML file; the scheme is
 //! set on top of it.
 
+use std::f64::consts::PI;
+
+use crate::dimension::Dimension;
 use crate::limits::{Law, Shape, Suspension};
+use crate::suspended::Suspended;
+use crate::text::{self, Domain, PERIODIC, SLIP};
 
 /// Steps of a run, where the scene does not say otherwise.
 const STEPS: usize = 20;
@@ -39,117 +44,37 @@ pub struct Limit {
     pub tolerance: f64,
 }
 
-pub(crate) struct Domain {
-    pub width: f64,
-    pub height: f64,
-    pub cells: [usize; 2],
-    /// left and right, bottom, top
-    pub sides: [&'static str; 3],
-}
-
-pub(crate) fn fluid(mixture: &Suspension, domain: &Domain, initial: f64) -> String {
-    let Domain {
-        width,
-        height,
-        cells: [columns, rows],
-        sides: [side, bottom, top],
-    } = domain;
-    format!(
-        "[fluid]\ndensity = {:e}\ndynamic_viscosity = {:e}\ninitial_velocity = [0.0, {initial:e}]\n\
-         [fluid.domain]\nrectangle = {{ lower = [0.0, 0.0], upper = [{width:e}, {height:e}], \
-         cells = [{columns}, {rows}], diagonals = \"uniform\" }}\n\
-         [fluid.boundaries]\nleft = {side}\nright = {side}\nbottom = {bottom}\ntop = {top}\n",
-        mixture.density, mixture.viscosity,
-    )
-}
-
-pub(crate) fn run(step: f64, steps: usize, gravity: f64) -> String {
-    format!(
-        "[run]\nend_time = {:e}\ncoupling_step = {step:e}\n[gravity]\nacceleration = [0.0, {:e}]\n",
-        step * steps as f64,
-        -gravity,
-    )
-}
-
-pub(crate) fn coupling(mixture: &Suspension) -> String {
-    let law = match mixture.law {
-        Law::Stokes => "stokes",
-        Law::Dallavalle => "dallavalle",
-    };
-    let geometry = match mixture.shape {
-        Shape::Disk => "\"disk\"".into(),
-        // A slab that may be written; a thinner one is set on the scene that was read (`Case::thin_slab`).
-        Shape::Sphere { depth } => {
-            let depth = depth.max(2.0 * mixture.radius);
-            format!("{{ sphere = {{ depth = {depth:e} }} }}")
-        }
-    };
-    format!("[contact]\ntolerance = 1e-3\n[coupling]\ndrag = \"{law}\"\ngeometry = {geometry}\n")
-}
-
-fn lattice(mixture: &Suspension, upper: [f64; 2], spacing: f64, speed: f64) -> String {
-    format!(
-        "[[grains]]\ndensity = {:e}\nradius = {:e}\nvelocity = [0.0, {speed:e}]\n\
-         lattice = {{ lower = [0.0, 0.0], upper = [{:e}, {:e}], spacing = {spacing:e} }}\n",
-        mixture.grain_density, mixture.radius, upper[0], upper[1],
-    )
-}
-
-const PERIODIC: &str = "\"periodic\"";
-pub(crate) const SLIP: &str = "\"slip\"";
-
-/// Depth of a slab in which spheres of this radius on a square lattice make this porosity.
-fn depth(radius: f64, spacing: f64, porosity: f64) -> f64 {
-    4.0 / 3.0 * std::f64::consts::PI * radius.powi(3) / ((1.0 - porosity) * spacing * spacing)
-}
-
-/// A suspension of spheres on a lattice in a slab so thin that no porosity brings them to touch.
-fn spheres(radius: f64, spacing: f64, porosity: f64, ratio: f64) -> Suspension {
-    Suspension {
-        law: Law::Stokes,
-        shape: Shape::Sphere {
-            depth: depth(radius, spacing, porosity),
-        },
-        radius,
-        grain_density: 1000.0 * ratio,
-        density: 1000.0,
-        viscosity: 0.1,
-        porosity,
-    }
-}
-
 /// A closed column that settles in gravity so weak that no grain leaves its place:
-/// `stiffness` = Δt/τ_p, `ratio` = ρ_p/ρ, `size` = d/h.
-pub fn column(stiffness: f64, porosity: f64, ratio: f64, size: f64) -> Case {
-    let cell = 1e-3;
-    let radius = 0.5 * size * cell;
-    // Sixteen grains a cell, fewer where they would touch.
-    let spacing = (0.25 * cell).max(4.0 * radius);
-    let columns = (spacing / cell).ceil().max(1.0) as usize;
-    let rows = 32.max(8 * columns);
-    let mixture = spheres(radius, spacing, porosity, ratio);
+/// `stiffness` = Δt/τ_p.
+pub fn column(suspended: &Suspended, stiffness: f64) -> Case {
+    let Suspended {
+        dimension,
+        cell,
+        columns,
+        mixture,
+        ..
+    } = suspended;
+    let rows = match dimension {
+        Dimension::Plane => 32.max(8 * columns),
+        Dimension::Space => 16.max(6 * columns),
+    };
+    let (porosity, ratio) = (mixture.porosity, mixture.grain_density / mixture.density);
     let step = stiffness * mixture.mass() / mixture.drag(0.0);
     let weight = mixture.volume() * mixture.density * (ratio - 1.0).abs().max(1e-12);
     let slip = 1e-10 * cell / (step * STEPS as f64);
     let neutral = ratio == 1.0;
     let gravity =
         slip * mixture.drag(0.0) / (porosity * if neutral { mixture.mass() } else { weight });
-    let (width, height) = (columns as f64 * cell, rows as f64 * cell);
-    let domain = Domain {
-        width,
-        height,
-        cells: [columns, rows],
-        sides: [PERIODIC, SLIP, SLIP],
-    };
+    let domain = suspended.domain(rows, [PERIODIC, SLIP, SLIP]);
     let time = step * STEPS as f64;
     let (value, _) = mixture.settling(gravity, time);
     let settled = porosity * slip;
     Case {
-        text: run(step, STEPS, gravity)
-            + &fluid(&mixture, &domain, 0.0)
+        text: text::run(*dimension, step, STEPS, gravity)
+            + &text::fluid(mixture, &domain, 0.0)
             + "[particles]\nwalls = \"none\"\n"
-            + &lattice(&mixture, [width, height], spacing, 0.0)
-            + &coupling(&mixture),
+            + &suspended.grains(&domain, 0.0)
+            + &text::coupling(mixture),
         steps: STEPS,
         limit: Limit {
             column: "fall_speed_median",
@@ -164,30 +89,23 @@ pub fn column(stiffness: f64, porosity: f64, ratio: f64, size: f64) -> Case {
 }
 
 /// Grains shot into fluid at rest, in a periodic box without gravity: Re of the start, Δt/τ_p.
-pub fn drift(reynolds: f64, stiffness: f64) -> Case {
-    let (cell, cells, porosity) = (1e-3, 4, 0.9);
-    let (radius, spacing) = (0.05 * cell, 0.25 * cell);
-    let mixture = Suspension {
-        law: Law::Dallavalle,
-        viscosity: 1e-3,
-        ..spheres(radius, spacing, porosity, 2.5)
-    };
-    let speed =
-        reynolds.max(1e-6) * mixture.viscosity / (mixture.density * porosity * 2.0 * radius);
+pub fn drift(dimension: Dimension, reynolds: f64, stiffness: f64) -> Case {
+    let mut suspended = Suspended::drifting(dimension);
+    let porosity = suspended.mixture.porosity;
+    let mixture = &mut suspended.mixture;
+    mixture.law = Law::Dallavalle;
+    mixture.viscosity = 1e-3;
+    let mixture = &suspended.mixture;
+    let speed = reynolds.max(1e-6) * mixture.viscosity
+        / (mixture.density * porosity * 2.0 * mixture.radius);
     let step = stiffness * mixture.mass() / mixture.drag(speed);
-    let side = cells as f64 * cell;
-    let domain = Domain {
-        width: side,
-        height: side,
-        cells: [cells, cells],
-        sides: [PERIODIC, PERIODIC, PERIODIC],
-    };
+    let domain = suspended.domain(suspended.columns, [PERIODIC, PERIODIC, PERIODIC]);
     let value = mixture.drifting(speed, step * STEPS as f64);
     Case {
-        text: run(step, STEPS, 0.0)
-            + &fluid(&mixture, &domain, 0.0)
-            + &lattice(&mixture, [side, side], spacing, -speed)
-            + &coupling(&mixture),
+        text: text::run(dimension, step, STEPS, 0.0)
+            + &text::fluid(mixture, &domain, 0.0)
+            + &suspended.grains(&domain, -speed)
+            + &text::coupling(mixture),
         steps: STEPS,
         limit: Limit {
             column: "fall_speed",
@@ -204,12 +122,16 @@ pub fn drift(reynolds: f64, stiffness: f64) -> Case {
 /// A hexagonal lattice and fluid that move alike through a periodic box: cells crossed in a step, and
 /// ρ v h/μ. The lattice does not fit the mesh, so the porosity of every node changes from step to
 /// step; they go on all the same.
-pub fn translation(courant: f64, peclet: f64) -> Case {
-    let (cell, cells, solid, speed) = (1e-3, 8, 0.2, 1.0);
+pub fn translation(dimension: Dimension, courant: f64, peclet: f64) -> Case {
+    let (cell, solid, speed) = (1e-3, 0.2, 1.0);
+    let (cells, shape, size) = match dimension {
+        Dimension::Plane => (8, Shape::Disk, 0.1),
+        Dimension::Space => (5, Shape::Sphere, 0.12),
+    };
     let mixture = Suspension {
         law: Law::Dallavalle,
-        shape: Shape::Disk,
-        radius: 0.1 * cell,
+        shape,
+        radius: size * cell,
         grain_density: 2500.0,
         density: 1000.0,
         viscosity: 1000.0 * speed * cell / peclet,
@@ -217,6 +139,7 @@ pub fn translation(courant: f64, peclet: f64) -> Case {
     };
     let side = cells as f64 * cell;
     let domain = Domain {
+        dimension,
         width: side,
         height: side,
         cells: [cells, cells],
@@ -224,16 +147,16 @@ pub fn translation(courant: f64, peclet: f64) -> Case {
     };
     let step = courant * cell / speed;
     let grains = format!(
-        "[[grains]]\ndensity = {:e}\nradius = {:e}\nvelocity = [0.0, {:e}]\n\
-         lattice = {{ lower = [0.0, 0.0], upper = [{side:e}, {side:e}], \
-         solid_fraction = {solid}, pattern = \"hexagonal\" }}\n",
-        mixture.grain_density, mixture.radius, -speed,
+        "{}lattice = {{ lower = {}, upper = {}, solid_fraction = {solid}, pattern = \"hexagonal\" }}\n",
+        text::population(dimension, &mixture, -speed),
+        dimension.place(0.0, 0.0),
+        dimension.place(side, side),
     );
     Case {
-        text: run(step, STEPS, 0.0)
-            + &fluid(&mixture, &domain, -speed * mixture.porosity)
+        text: text::run(dimension, step, STEPS, 0.0)
+            + &text::fluid(&mixture, &domain, -speed * mixture.porosity)
             + &grains
-            + &coupling(&mixture),
+            + &text::coupling(&mixture),
         steps: STEPS,
         limit: Limit {
             column: "fall_speed",
@@ -248,18 +171,22 @@ pub fn translation(courant: f64, peclet: f64) -> Case {
     }
 }
 
-/// A stack of touching disks on a floor, water rising at half the velocity that lifts it:
+/// A stack of touching grains on a floor, one grain wide, water rising at half the velocity that lifts it:
 /// layers, Δt/τ_p.
-pub fn held(layers: f64, stiffness: f64) -> Case {
+pub fn held(dimension: Dimension, layers: f64, stiffness: f64) -> Case {
     let (radius, gravity, share) = (5e-5, 9.81, 0.5);
+    let (shape, solid) = match dimension {
+        Dimension::Plane => (Shape::Disk, PI / 4.0),
+        Dimension::Space => (Shape::Sphere, PI / 6.0),
+    };
     let bed = Suspension {
         law: Law::Dallavalle,
-        shape: Shape::Disk,
+        shape,
         radius,
         grain_density: 2500.0,
         density: 1000.0,
         viscosity: 1e-3,
-        porosity: 1.0 - std::f64::consts::FRAC_PI_4,
+        porosity: 1.0 - solid,
     };
     let (gradient, speed) = bed.bed(share, gravity);
     let step = stiffness * bed.mass() / bed.drag(speed / bed.porosity);
@@ -268,29 +195,24 @@ pub fn held(layers: f64, stiffness: f64) -> Case {
     // A little room, so that the side walls hold the stack straight and carry nothing.
     let slack = 1e-9 * radius;
     let walls = format!(
-        "[particles]\ndomain = {{ lower = [{:e}, 0.0], upper = [{:e}, {:e}], open = [\"top\"] }}\n",
-        -slack,
-        width + slack,
-        2.0 * height,
+        "[particles]\ndomain = {{ lower = {}, upper = {}, open = [\"top\"] }}\n",
+        dimension.place(-slack, 0.0),
+        dimension.place(width + slack, 2.0 * height),
     );
-    let text = run(step, steps, gravity)
-        + &fluid(
-            &bed,
-            &Domain {
-                width,
-                height,
-                cells: [1, (layers / 4.0).ceil() as usize],
-                sides: [PERIODIC, "INFLOW", "{ open = { pressure = 0.0 } }"],
-            },
-            speed,
-        )
-        .replace(
-            "INFLOW",
-            &format!("{{ inflow = {{ velocity = [0.0, {speed:e}] }} }}"),
-        )
+    let domain = Domain {
+        dimension,
+        width,
+        height,
+        cells: [1, (layers / 4.0).ceil() as usize],
+        sides: [PERIODIC, "INFLOW", "{ open = { pressure = 0.0 } }"],
+    };
+    let inflow = text::inflow(dimension, speed);
+    let text = text::run(dimension, step, steps, gravity)
+        + &text::fluid(&bed, &domain, speed).replace("INFLOW", &inflow)
         + &walls
-        + &lattice(&bed, [width, height], 2.0 * radius, 0.0)
-        + &coupling(&bed);
+        + &text::population(dimension, &bed, 0.0)
+        + &text::lattice(dimension, [[0.0; 2], [width, height]], 2.0 * radius)
+        + &text::coupling(&bed);
     let weight = bed.density * gravity * height;
     Case {
         text,
@@ -307,24 +229,31 @@ pub fn held(layers: f64, stiffness: f64) -> Case {
     }
 }
 
-/// Disks of radii r to `ratio` r that fall dry into a box and come to rest; about two contacts a grain.
-pub fn pile(ratio: f64, contacts: f64) -> Case {
-    let (smallest, gravity, steps) = (1e-3, 9.81, 60);
-    let count = (0.5 * contacts).ceil();
-    let mean_square = smallest * smallest * (1.0 + ratio + ratio * ratio) / 3.0;
-    let side = (count * std::f64::consts::PI * mean_square / 0.35)
-        .sqrt()
-        .max(4.0 * ratio * smallest);
+/// Grains of radii r to `ratio` r that fall dry into a box and come to rest; about two contacts a disk, three
+/// a sphere.
+pub fn pile(dimension: Dimension, ratio: f64, contacts: f64) -> Case {
+    let (smallest, gravity, steps) = (1e-3_f64, 9.81, 60);
+    // mean content of a grain of unit smallest radius, contacts of a grain, share of the box at random
+    let (mean, of_one, share) = match dimension {
+        Dimension::Plane => (PI * (1.0 + ratio + ratio * ratio) / 3.0, 2.0, 0.35),
+        Dimension::Space => (PI * (1.0 + ratio) * (1.0 + ratio * ratio) / 3.0, 3.0, 0.2),
+    };
+    let count = (contacts / of_one).ceil();
+    let side = dimension.edge(count * mean / share).max(4.0 * ratio) * smallest;
     let fall = (2.0 * side / gravity).sqrt();
     let speed = (2.0 * gravity * side).sqrt();
     let radius = format!("{{ min = {smallest:e}, max = {:e} }}", ratio * smallest);
+    let corners = format!(
+        "lower = {}, upper = {}",
+        dimension.place(0.0, 0.0),
+        dimension.place(side, side)
+    );
     Case {
-        text: run(fall / 12.0, steps, gravity)
+        text: text::run(dimension, fall / 12.0, steps, gravity)
             + &format!(
-                "[particles]\ndomain = {{ lower = [0.0, 0.0], upper = [{side:e}, {side:e}] }}\n\
+                "[particles]\ndomain = {{ {corners} }}\n\
                  [[grains]]\ndensity = 2500.0\nradius = {radius}\n\
-                 box = {{ lower = [0.0, 0.0], upper = [{side:e}, {side:e}], count = {count} }}\n\
-                 [contact]\ntolerance = 1e-3\n"
+                 box = {{ {corners}, count = {count} }}\n[contact]\ntolerance = 1e-3\n"
             ),
         steps,
         limit: Limit {
@@ -339,33 +268,33 @@ pub fn pile(ratio: f64, contacts: f64) -> Case {
     }
 }
 
-/// A real pair of materials on a square lattice of disks in a closed column under real gravity.
-pub fn pair(mixture: Suspension, step: f64) -> Case {
-    const ROWS_MAX: f64 = 120.0;
+/// A real pair of materials in a closed column under real gravity, one cell wide: disks on a square lattice,
+/// spheres on a face-centred cubic one.
+pub fn pair(dimension: Dimension, mixture: Suspension, step: f64) -> Case {
+    let suspended = Suspended::one_cell_wide(dimension, mixture);
+    // Dense lattices of space have a layer less: what that does creeps inward, by less than a row a step.
+    let (rows_least, rows_max) = match dimension {
+        Dimension::Plane => (16.0, 120.0),
+        Dimension::Space => (48.0, 60.0),
+    };
     let gravity = 9.81;
-    let spacing = mixture.radius * (std::f64::consts::PI / (1.0 - mixture.porosity)).sqrt();
-    let cell = 4.0 * spacing;
     // So high that what lies on the floor by the end is a fortieth.
-    let way = |steps: usize| 40.0 * mixture.settling(gravity, step * steps as f64).1.abs() / cell;
+    let way = |steps: usize| {
+        40.0 * mixture.settling(gravity, step * steps as f64).1.abs() / suspended.cell
+    };
     let steps = [STEPS, 10, 5, 3, 2]
         .into_iter()
-        .find(|&steps| way(steps) <= ROWS_MAX);
+        .find(|&steps| way(steps) <= rows_max);
     let steps = steps.unwrap_or(1);
-    let rows = way(steps).min(4.0 * ROWS_MAX).ceil().max(16.0) as usize;
-    let (width, height) = (cell, rows as f64 * cell);
-    let domain = Domain {
-        width,
-        height,
-        cells: [1, rows],
-        sides: [PERIODIC, SLIP, SLIP],
-    };
+    let rows = way(steps).min(4.0 * rows_max).ceil().max(rows_least) as usize;
+    let domain = suspended.domain(rows, [PERIODIC, SLIP, SLIP]);
     let (value, _) = mixture.settling(gravity, step * steps as f64);
     let slip = mixture.settled(gravity).abs() / mixture.porosity;
     Case {
-        text: run(step, steps, gravity)
-            + &fluid(&mixture, &domain, 0.0)
-            + &lattice(&mixture, [width, height], spacing, 0.0)
-            + &coupling(&mixture),
+        text: text::run(dimension, step, steps, gravity)
+            + &text::fluid(&mixture, &domain, 0.0)
+            + &suspended.grains(&domain, 0.0)
+            + &text::coupling(&mixture),
         steps,
         limit: Limit {
             column: "fall_speed_median",

@@ -21,6 +21,7 @@ use serde_json::{Value, json};
 use show::picture::pictures;
 use show::table::Table;
 
+use crate::dimension::Dimension;
 use crate::heat;
 use crate::maps::{self, Map};
 use crate::results::{self, Cell, MapResult};
@@ -85,8 +86,8 @@ pub fn stability(
 }
 
 /// The maps of these names; all of them for none.
-pub fn chosen(names: &[String]) -> Result<Vec<Map>, Error> {
-    let mut maps = maps::all();
+pub fn chosen(dimension: Dimension, names: &[String]) -> Result<Vec<Map>, Error> {
+    let mut maps = maps::all(dimension);
     let known: Vec<&str> = maps.iter().map(|map| map.name).collect();
     if let Some(unknown) = names.iter().find(|name| !known.contains(&name.as_str())) {
         let meant = scene::read::nearest(unknown, &known)
@@ -108,6 +109,7 @@ pub fn list(maps: &[Map]) -> Value {
         json!({
             "name": map.name,
             "title": map.title,
+            "dimension": map.dimension.axes(),
             "across": { "name": map.across.name, "values": map.across.labels },
             "up": { "name": map.up.name, "values": map.up.labels },
         })
@@ -188,7 +190,7 @@ fn one(
     runner: &Runner,
 ) -> Result<(Option<Finding>, bool), Error> {
     let map = &maps[job.map];
-    let case = (map.case)(map.across.values[job.across], map.up.values[job.up]);
+    let case = map.case(job.across, job.up);
     let settings = settings(map, job.scheme);
     let scene = match load(map, &case, &settings) {
         Ok(scene) => scene,
@@ -258,7 +260,7 @@ fn collect(
     for (job, finding) in jobs.iter().zip(findings) {
         let Some(finding) = finding else { continue };
         let map = &maps[job.map];
-        let case = (map.case)(map.across.values[job.across], map.up.values[job.up]);
+        let case = map.case(job.across, job.up);
         results[job.map].cells.push(Cell {
             across: job.across,
             up: job.up,
@@ -269,4 +271,29 @@ fn collect(
         });
     }
     results
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_quick_cell_is_refused() {
+        println!("| map | dimension | cells | most grains |");
+        let dimensions = [Dimension::Plane, Dimension::Space];
+        for map in dimensions.into_iter().flat_map(maps::all) {
+            let (mut cells, mut most) = (0, 0);
+            for job in jobs(std::slice::from_ref(&map), true) {
+                let case = map.case(job.across, job.up);
+                let scene = load(&map, &case, &settings(&map, job.scheme));
+                let scene = scene.unwrap_or_else(|error| panic!("{}: {error}", map.name));
+                (cells, most) = (cells + 1, most.max(scene.grains.len()));
+            }
+            println!(
+                "| {} | {} | {cells} | {most} |",
+                map.name,
+                map.dimension.axes()
+            );
+        }
+    }
 }

@@ -52,15 +52,19 @@ pub struct StabilityArgs {
     /// Only this pair of axes (repeatable); --list names them
     #[arg(long, value_name = "NAME")]
     pub axes: Vec<String>,
+    /// Disks in the plane (2), or spheres in space (3)
+    #[arg(long, value_name = "N", default_value = "2", value_parser = dimension)]
+    pub dimension: stability::Dimension,
     /// A few points of every axis, the cheap ends among them: less than 3 minutes on two cores
+    /// in the plane, less than 5 in space
     #[arg(long)]
     pub quick: bool,
     /// Name the pairs of axes, and what is run at their points
     #[arg(long)]
     pub list: bool,
-    /// Where results and runs go
-    #[arg(long, value_name = "DIR", default_value = "stability")]
-    pub out: PathBuf,
+    /// Where results and runs go (default: stability; in space stability-3d)
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
     /// Cells that run at the same time (default: all cores)
     #[arg(long, value_name = "N")]
     pub jobs: Option<std::num::NonZeroUsize>,
@@ -69,7 +73,22 @@ pub struct StabilityArgs {
     pub json: bool,
 }
 
+/// 2 or 3.
+fn dimension(text: &str) -> Result<stability::Dimension, String> {
+    let dimension = text.parse().ok().and_then(stability::Dimension::of);
+    dimension.ok_or_else(|| "2, the plane, or 3, space".to_string())
+}
+
 impl StabilityArgs {
+    /// Where results and runs go.
+    pub fn out(&self) -> PathBuf {
+        let usual = match self.dimension {
+            stability::Dimension::Plane => "stability",
+            stability::Dimension::Space => "stability-3d",
+        };
+        self.out.clone().unwrap_or_else(|| usual.into())
+    }
+
     /// Cells that run at the same time.
     pub fn jobs(&self) -> usize {
         self.jobs

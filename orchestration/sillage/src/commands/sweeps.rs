@@ -46,16 +46,17 @@ fn list_studies(as_json: bool) -> Result<i32, Error> {
 
 /// Run the maps of the coupling schemes, or list them.
 pub fn stability(args: &StabilityArgs) -> Result<i32, Error> {
-    let maps = stability::chosen(&args.axes)?;
+    let maps = stability::chosen(args.dimension, &args.axes)?;
     if args.list {
         return list_maps(&maps, args.json);
     }
     let begun = Instant::now();
-    let outcome = stability::stability(&maps, args.quick, &args.out, args.jobs())?;
+    let out = args.out();
+    let outcome = stability::stability(&maps, args.quick, &out, args.jobs())?;
     if args.json {
         say!("{:#}", outcome.document)?;
     } else {
-        let (seconds, folder) = (begun.elapsed().as_secs_f64(), args.out.display());
+        let (seconds, folder) = (begun.elapsed().as_secs_f64(), out.display());
         say!("{}", outcome.text)?;
         say!("{} cells in {seconds:.0} s → {folder}", outcome.cells)?;
     }
