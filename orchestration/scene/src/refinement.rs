@@ -69,6 +69,14 @@ fn made(root: f64, asked: f64, dimension: usize) -> f64 {
     root * (-halvings / d).exp2()
 }
 
+/// Edge of a cube (in the plane a square) as large as the cells around the grains of a rectangle or box \[m\].
+pub fn near_grains(scene: &CouplerScene) -> Option<f64> {
+    let (lower, upper, cells) = cells_of(&scene.fluid.as_ref()?.mesh)?;
+    let root = root(lower, upper, cells);
+    let asked = scene.near_grains.map_or(root, |near| near.size);
+    Some(made(root, asked, cells.len()))
+}
+
 /// Refuse what no mesh can be made of; `mesh` is that of the file, where there is one.
 pub fn check<const D: usize>(
     keys: &SceneFile<D>,

@@ -302,7 +302,7 @@ fn spreading(scene: &Scene) -> Option<(Choice, bool)> {
     let coupler = &scene.coupler;
     let (fluid, _) = (coupler.fluid.as_ref()?, coupler.particles.as_ref()?);
     const PART: &str = "spreading of grains";
-    let Some((lower, upper, cells)) = refinement::cells_of(&fluid.mesh) else {
+    let Some(size) = refinement::near_grains(coupler) else {
         let reason = "there for grains whose diameter is above 0.25 of the cells around them";
         return Some((
             plain(PART, "decided by the mesh of the file", reason),
@@ -313,7 +313,7 @@ fn spreading(scene: &Scene) -> Option<(Choice, bool)> {
         MeshSource::Rectangle { grading, .. } => grading.iter().product::<f64>().sqrt(),
         _ => 1.0,
     };
-    let cell = refinement::root(lower, upper, cells) / grading;
+    let cell = size / grading;
     let diameter = 2.0 * scene.grains.radius.iter().copied().fold(0.0, f64::max);
     let ratio = diameter / cell;
     let spread = ratio > LUMPED_RATIO_MAX;

@@ -5,9 +5,10 @@
 //!   grains     1.1 µs a grain, 0.4 of it the search for contacts when it is made each time;
 //!              dry: 20 µs more, the contacts
 //!   coupler    0.1 µs a node + 0.9 µs a grain; 2 µs a grain more where grains are spread
+//!   in space   14 µs N (assembly, multigrid), 14 µs N (solve, powers), 40 µs a grain that is spread
 //! ```
 //!
-//! One pass on one thread, from the scenes of this repository (docs/leaving-out.md).
+//! One pass on one thread, from the scenes of this repository (docs/leaving-out.md; `cloud-3d`).
 
 use protocol::scene::MeshSource;
 
@@ -49,13 +50,24 @@ impl Cost {
             0.0
         };
         let assembly = 1.4e-6 * 2.0 * nodes;
+        let (matrix, solve, spreading) = match scene.grains.dimension {
+            3 => (14e-6 * nodes, 14e-6 * nodes, 40e-6),
+            _ => (
+                0.6 * assembly + 0.94e-6 * nodes.powf(1.2),
+                0.4 * assembly + 0.9e-6 * nodes,
+                2e-6,
+            ),
+        };
         Cost {
-            matrix: 0.6 * assembly + 0.94e-6 * nodes.powf(1.2),
-            solve: 0.4 * assembly + 0.9e-6 * nodes,
+            matrix,
+            solve,
             search: 0.4e-6 * grains,
             grains: if nodes > 0.0 { 0.7e-6 } else { 20.7e-6 } * grains,
             coupler: coupled * (0.1e-6 * nodes + 0.9e-6 * grains),
-            spreading: if spread { coupled * 2e-6 * grains } else { 0.0 },
+            spreading: match spread {
+                true => coupled * spreading * grains,
+                false => 0.0,
+            },
         }
     }
 

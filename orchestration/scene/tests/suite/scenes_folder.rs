@@ -45,6 +45,22 @@ fn every_scene_passes_check_and_says_what_it_shows() {
 }
 
 #[test]
+fn a_plan_holds_grains_against_the_cells_that_follow_them() {
+    println!("| scene | diameter over cell | grains are spread |");
+    for (name, ratio, spread) in [("cloud", 0.120, false), ("cloud-3d", 0.410, true)] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenes/{name}.toml"));
+        let scene = scene::load(&path, &[], 1).expect("a valid scene");
+        let choices = plan::plan(&scene).choices;
+        let found = choices.iter().find(|own| own.part == "spreading of grains");
+        let found = found.expect("a choice");
+        let value = found.value.expect("a number");
+        println!("| {name} | {value:.3} | {} |", found.chosen);
+        assert!((value - ratio).abs() < 1e-3);
+        assert_eq!(found.chosen.starts_with("there"), spread);
+    }
+}
+
+#[test]
 fn the_cloud_has_the_numbers_of_its_reference() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/cloud.toml");
     let scene = scene::load(&path, &[], 1).expect("a valid scene");
