@@ -18,16 +18,16 @@ use serde_json::{Value, json};
 
 use crate::background::{Run, programs, small_cloud};
 use crate::reports::tiny_run;
-use crate::ring::Ring;
 
-struct Browser {
+/// A browser that a test drives.
+pub struct Browser {
     driver: Child,
     session: String,
 }
 
 impl Browser {
     /// None where there is no chromedriver.
-    fn start() -> Option<Browser> {
+    pub fn start() -> Option<Browser> {
         let mut driver = Command::new("chromedriver")
             .arg("--port=0")
             .stdout(Stdio::piped())
@@ -63,15 +63,18 @@ impl Browser {
         })
     }
 
-    fn ask(&self, command: &str, body: Value) -> Value {
+    /// A command of the driver.
+    pub fn ask(&self, command: &str, body: Value) -> Value {
         post(&format!("{}/{command}", self.session), body)["value"].clone()
     }
 
-    fn run(&self, script: &str) -> Value {
+    /// What a script returns.
+    pub fn run(&self, script: &str) -> Value {
         self.ask("execute/sync", json!({ "script": script, "args": [] }))
     }
 
-    fn tell(&self, command: &str, parameters: Value) {
+    /// A command of the browser's own protocol.
+    pub fn tell(&self, command: &str, parameters: Value) {
         self.ask(
             "goog/cdp/execute",
             json!({ "cmd": command, "params": parameters }),
@@ -79,7 +82,7 @@ impl Browser {
     }
 
     /// Wait until a script says true.
-    fn until(&self, script: &str) {
+    pub fn until(&self, script: &str) {
         let begun = Instant::now();
         while self.run(script) != true {
             assert!(
@@ -90,7 +93,8 @@ impl Browser {
         }
     }
 
-    fn picture(&self, path: &Path) -> usize {
+    /// A picture of the page; its bytes.
+    pub fn picture(&self, path: &Path) -> usize {
         let shot = ureq::get(format!("{}/screenshot", self.session))
             .call()
             .expect("a picture")
@@ -216,82 +220,6 @@ fn the_report_plays_in_a_browser_without_a_network_in_light_and_dark_on_phone_an
     let after = browser.run("return document.getElementById('scale').textContent");
     println!("scale bar {before}, zoomed in {after}");
     assert_ne!(before, after);
-}
-
-/// Pixels of the animation's canvas that differ from those kept before, and how many of it have any colour; it keeps
-/// them.
-const CHANGED: &str = "const c = document.getElementById('canvas'), gl = c.getContext('webgl2'), n = 4 * c.width * c.height; \
-     const now = new Uint8Array(n); gl.readPixels(0, 0, c.width, c.height, gl.RGBA, gl.UNSIGNED_BYTE, now); \
-     const old = window.kept || new Uint8Array(n); window.kept = now; let changed = 0, inked = 0; \
-     for (let i = 0; i < n; i += 4) { if (now[i + 3]) inked++; if (now[i] !== old[i] || now[i + 1] !== old[i + 1] || now[i + 3] !== old[i + 3]) changed++; } \
-     return [changed, inked]";
-
-#[test]
-fn the_report_of_a_run_in_space_plays_and_turns_in_a_browser_without_a_network() {
-    let Some(browser) = Browser::start() else {
-        eprintln!("SKIPPED: no chromedriver here; apt-get install chromium chromium-driver");
-        return;
-    };
-    let kept = std::env::var_os("SILLAGE_PICTURES").map(PathBuf::from);
-    let folder = tempfile::tempdir().expect("a folder");
-    let pictures = kept.unwrap_or_else(|| folder.path().to_path_buf());
-    std::fs::create_dir_all(&pictures).expect("a folder");
-    let metrics = json!({ "width": 700, "height": 700, "deviceScaleFactor": 1, "mobile": false });
-    browser.tell("Emulation.setDeviceMetricsOverride", metrics);
-    println!("| fluid | after | pixels that changed | pixels with ink |");
-    for fluid in [true, false] {
-        let ring = Ring {
-            box_low: [-10e-3, -10e-3, -10e-3],
-            box_high: [10e-3, 10e-3, 10e-3],
-            count: 2000,
-            radius: 0.25e-3,
-            cells: [12; 3],
-            fluid,
-        };
-        let path = folder.path().join(format!("run-{fluid}"));
-        ring.write("falling-ring", &path, 4);
-        let written = show::page::write(&path, None, 100).expect("a page");
-        let page = json!({ "url": format!("file://{}", written.file.display()) });
-        browser.ask("url", page);
-        browser.until("return document.documentElement.dataset.ready === 'yes'");
-        let changed = |after: &str| {
-            let pixels = browser.run(CHANGED);
-            println!("| {fluid} | {after} | {} | {} |", pixels[0], pixels[1]);
-            pixels[0].as_i64().expect("pixels")
-        };
-        assert!(changed("opening it") > 3000);
-        assert_eq!(changed("nothing"), 0);
-        browser.run("document.getElementById('play').click()");
-        browser.until("return document.getElementById('play').textContent === 'Play' && document.getElementById('counter').textContent.includes('state 5 of 5')");
-        assert!(changed("playing") > 2000);
-        let drag = |x: i64, kind: &str| json!({ "type": kind, "duration": 0, "x": x, "y": 350 });
-        let button = |kind: &str| json!({ "type": kind, "button": 0 });
-        let drag = json!({ "actions": [{ "type": "pointer", "id": "mouse", "parameters": { "pointerType": "mouse" },
-            "actions": [drag(300, "pointerMove"), button("pointerDown"), drag(380, "pointerMove"), button("pointerUp")] }] });
-        browser.ask("actions", drag);
-        assert!(changed("turning it by the mouse") > 3000);
-        let press = |key: &str| {
-            browser.run(&format!("document.getElementById('canvas').dispatchEvent(new KeyboardEvent('keydown', {{ key: '{key}' }}))"))
-        };
-        press("d");
-        assert!(changed("turning it by a key") > 3000);
-        let before = browser.run("return document.getElementById('scale').textContent");
-        (0..8).for_each(|_| drop(press("+")));
-        assert!(changed("zooming in") > 3000);
-        let after = browser.run("return document.getElementById('scale').textContent");
-        println!("scale bar {before}, zoomed in {after}");
-        assert_ne!(before, after);
-        press("0");
-        if fluid {
-            changed("showing all");
-            browser.run("document.querySelector('[value=vorticity]').click()");
-            assert!(changed("another field") > 2000);
-        }
-        let outside = browser.run("return performance.getEntriesByType('resource').filter(e => e.name.startsWith('http')).length");
-        assert_eq!(outside, 0, "the page asked the network");
-        let size = browser.picture(&pictures.join(format!("report-space-{fluid}.png")));
-        assert!(size > 10_000, "an empty picture");
-    }
 }
 
 /// A process that ends with its test, however that ends.

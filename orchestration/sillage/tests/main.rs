@@ -2,6 +2,7 @@
 
 mod background;
 mod browser;
+mod browser_in_space;
 mod commands;
 mod costs;
 mod draws;
