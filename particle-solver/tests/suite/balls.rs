@@ -1,109 +1,12 @@
 //! The same engine in space: balls between triangles.
 
-use std::f64::consts::{FRAC_PI_6, PI};
+use std::f64::consts::FRAC_PI_6;
 
-use crate::bench_box::{Random, empty, request};
-use particle_solver::{
-    Candidate, ContactEngine, Facet, Forces, Grains, Request, Setup, State, checkpoint,
-};
+use crate::bench_balls::*;
+use crate::bench_box::{Random, choose, empty, request};
+use particle_solver::{ContactEngine, Facet, Forces, Request, Setup, checkpoint};
 use space::Vector;
 use space::vector::from_fn;
-
-const G: f64 = 9.81;
-type V3 = [f64; 3];
-
-/// A ball to place.
-#[derive(Clone, Copy)]
-struct Ball {
-    position: V3,
-    velocity: V3,
-    spin: V3,
-    radius: f64,
-    mass: f64,
-}
-
-fn ball(position: V3, radius: f64) -> Ball {
-    Ball {
-        position,
-        velocity: [0.0; 3],
-        spin: [0.0; 3],
-        radius,
-        mass: 4.0 / 3.0 * PI * radius.powi(3),
-    }
-}
-
-impl Ball {
-    fn moving(self, velocity: V3) -> Ball {
-        Ball { velocity, ..self }
-    }
-}
-
-/// No walls, no gravity, no friction; full balls.
-fn nothing() -> Setup<3> {
-    let plane = empty();
-    Setup {
-        gravity: Vector::zeros(),
-        walls: Vec::new(),
-        period: [None; 3],
-        friction: 0.0,
-        wall_friction: 0.0,
-        inertia_factor: 0.4,
-        tolerance: plane.tolerance,
-        sweeps_max: plane.sweeps_max,
-        sub_steps_max: plane.sub_steps_max,
-    }
-}
-
-fn engine(setup: Setup<3>, balls: &[Ball]) -> ContactEngine<3> {
-    let grains = Grains {
-        radius: balls.iter().map(|ball| ball.radius).collect(),
-        mass: balls.iter().map(|ball| ball.mass).collect(),
-        fixed: vec![false; balls.len()],
-    };
-    let of = |part: fn(&Ball) -> V3| balls.iter().map(|ball| Vector::from(part(ball))).collect();
-    let mut state = State::new(&grains, of(|b| b.position), of(|b| b.velocity)).expect("finite");
-    state.spin = of(|b| b.spin);
-    ContactEngine::new(setup, grains, state).expect("the setup is valid")
-}
-
-fn step(engine: &mut ContactEngine<3>, request: &Request) -> Candidate<3> {
-    let candidate = engine.advance(request, &Forces::default());
-    let candidate = candidate.unwrap_or_else(|error| panic!("step {}: {error}", request.step));
-    let candidate = candidate.clone();
-    engine.commit().unwrap();
-    candidate
-}
-
-/// Triangles of a flat quadrilateral whose corners are seen clockwise by the grains.
-fn quad([a, b, c, d]: [V3; 4]) -> [Facet<3>; 2] {
-    [[a, b, c], [a, c, d]].map(|corners| Facet::at_rest(corners.map(Vector::from)))
-}
-
-/// A floor z = 0 from −`half` to `half` along x and y, in n × n squares.
-fn floor(half: f64, n: usize) -> Vec<Facet<3>> {
-    let at = |i: usize, j: usize| {
-        let along = |k: usize| half * (2.0 * k as f64 / n as f64 - 1.0);
-        [along(i), along(j), 0.0]
-    };
-    let square = |k: usize| {
-        let (i, j) = (k / n, k % n);
-        quad([at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)])
-    };
-    (0..n * n).flat_map(square).collect()
-}
-
-/// Floor and four walls around a width × width square, open above.
-fn open_box(width: f64, height: f64) -> Vec<Facet<3>> {
-    let (w, h) = (width, height);
-    let sides = [
-        [[0.0, 0.0, 0.0], [0.0, w, 0.0], [w, w, 0.0], [w, 0.0, 0.0]],
-        [[0.0, 0.0, 0.0], [0.0, 0.0, h], [0.0, w, h], [0.0, w, 0.0]],
-        [[w, 0.0, 0.0], [w, w, 0.0], [w, w, h], [w, 0.0, h]],
-        [[0.0, 0.0, 0.0], [w, 0.0, 0.0], [w, 0.0, h], [0.0, 0.0, h]],
-        [[0.0, w, 0.0], [0.0, w, h], [w, w, h], [w, w, 0.0]],
-    ];
-    sides.into_iter().flat_map(quad).collect()
-}
 
 /// Momentum, angular momentum about the origin, kinetic energy.
 fn balances(engine: &ContactEngine<3>) -> (Vector<3>, Vector<3>, f64) {
@@ -444,10 +347,9 @@ fn a_heap_of_balls_settles_without_overlap_and_with_the_same_bits_each_time() {
     let file = folder.path().join("balls.state");
     println!("period        contacts  overlap   held  kinetic energy");
     for period in [[None; 3], [Some(10.4), Some(10.4), None]] {
-        let choose = |number: u64, pass: u32, dt: f64| Request {
-            sub_steps: 0,
+        let again = |number: u64, pass: u32, dt: f64| Request {
             pass,
-            ..request(number, dt)
+            ..choose(number, dt)
         };
         let (mut kept, mut always) = (rain(period), rain(period));
         always.search_always(true);
@@ -456,14 +358,14 @@ fn a_heap_of_balls_settles_without_overlap_and_with_the_same_bits_each_time() {
         for number in 1..=400 {
             if number % 80 == 0 {
                 // A candidate that is thrown away leaves nothing behind.
-                kept.advance(&choose(number, 0, 4e-2), &Forces::default())
+                kept.advance(&again(number, 0, 4e-2), &Forces::default())
                     .unwrap();
                 kept.save(&file).unwrap();
                 always.restore(&file).unwrap();
                 assert_eq!(kept.accepted(), always.accepted());
             }
-            let one = step(&mut kept, &choose(number, 0, 1e-2));
-            let two = step(&mut always, &choose(number, 0, 1e-2));
+            let one = step(&mut kept, &again(number, 0, 1e-2));
+            let two = step(&mut always, &again(number, 0, 1e-2));
             assert_eq!(one, two, "step {number}, period {period:?}");
             overlap = overlap.max(one.report.penetration_max);
             last = Some(one);

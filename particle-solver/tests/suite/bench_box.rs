@@ -110,6 +110,14 @@ pub fn request(step: u64, dt: f64) -> Request {
     }
 }
 
+/// A request for a step of length `dt` in as many sub-steps as the engine chooses.
+pub fn choose(step: u64, dt: f64) -> Request {
+    Request {
+        sub_steps: 0,
+        ..request(step, dt)
+    }
+}
+
 /// Advance without fluid and accept; the accepted candidate.
 pub fn try_step(engine: &mut Engine, request: &Request) -> Result<Candidate<2>, Error> {
     let candidate = engine.advance(request, &Forces::default())?.clone();

@@ -1,14 +1,7 @@
 //! Many grains: they settle, and columns collapse as far as columns do.
 
 use crate::bench_box::*;
-use particle_solver::{ContactEngine, Forces, Request, Setup};
-
-fn choose(step: u64, dt: f64) -> Request {
-    Request {
-        sub_steps: 0,
-        ..request(step, dt)
-    }
-}
+use particle_solver::{ContactEngine, Forces, Setup};
 
 #[test]
 fn a_random_packing_settles_without_overlap() {
