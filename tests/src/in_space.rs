@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 
 use protocol::engine::InitialGrains;
 use protocol::scene::{
-    Boundary, CouplerScene, FluidScene, Geometry, MeshSource, ParticleScene, Refinement, Region,
+    Boundary, CouplerScene, FluidScene, Geometry, MeshSource, ParticleScene, Profile, Refinement,
+    Region, Wall,
 };
 
 use crate::grains::Noise;
@@ -138,4 +139,38 @@ pub fn ball(centre: [f64; 3], radius: f64, count: usize, apart: f64) -> Vec<[f64
 pub fn mean(interleaved: &[f64], axis: usize) -> f64 {
     let count = interleaved.len() / 3;
     interleaved.iter().skip(axis).step_by(3).sum::<f64>() / count as f64
+}
+
+/// The floor y = 0 under a box that is so wide, and as far beyond each of its sides.
+pub fn floor(width: f64) -> Vec<Wall> {
+    let corner = |x: f64, z: f64| [x, 0.0, z];
+    let (low, high) = (-width, 2.0 * width);
+    let far = corner(high, high);
+    vec![
+        Wall::of(&[corner(low, low), corner(high, low), far], None),
+        Wall::of(&[corner(low, low), far, corner(low, high)], None),
+    ]
+}
+
+/// The same, periodic across.
+pub fn periodic_across(mut fluid: FluidScene) -> FluidScene {
+    for side in ["left", "right", "back", "front"] {
+        fluid.boundaries.insert(side.to_owned(), Boundary::Periodic);
+    }
+    fluid
+}
+
+/// Flow of this speed in through the bottom and out of the open top, from the start.
+pub fn upward(mut fluid: FluidScene, speed: f64) -> FluidScene {
+    let velocity = vec![0.0, speed, 0.0];
+    let inflow = Boundary::Inflow {
+        velocity: velocity.clone(),
+        profile: Profile::Uniform,
+    };
+    let open = Boundary::Open { pressure: 0.0 };
+    for (side, condition) in [("bottom", inflow), ("top", open)] {
+        fluid.boundaries.insert(side.to_owned(), condition);
+    }
+    fluid.initial_velocity = velocity;
+    fluid
 }

@@ -23,7 +23,9 @@ pub mod exchange;
 pub mod grains;
 pub mod in_space;
 pub mod inputs;
+pub mod laws;
 pub mod meshes;
+pub mod profile;
 pub mod recorded;
 pub mod reference;
 

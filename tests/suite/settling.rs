@@ -1,12 +1,12 @@
 //! Suspensions: fronts, rest, growth of a heavy layer, the deferred correction.
 
 use coupler::coupled::setting::Deferred;
-use coupler::simulation::Simulation;
 use coupler::system::System;
 use protocol::engine::InitialGrains;
 use protocol::scene::{Boundary, DragLaw, Scheme, Wall};
 use space::flat::numbers;
 use tests::grains::{Noise, disks, lattice};
+use tests::profile::{front, solid_levels};
 use tests::reference::{number, rows};
 use tests::{
     box_walls, couple, fluid, mean, node_count, particles, place_of, refined, scene,
@@ -83,30 +83,12 @@ fn front_speed(solid_fraction: f64, near_grains: bool) -> (f64, usize) {
             .and_then(|_| coupling.advance(dt))
             .unwrap_or_else(|error| panic!("c0 {solid_fraction} step {step}: {error}"));
         match step {
-            60 => early = front_height(&coupling, 0.5 * solid_fraction),
-            160 => late = front_height(&coupling, 0.5 * solid_fraction),
+            60 => early = front(&solid_levels(&coupling), 0.5 * solid_fraction),
+            160 => late = front(&solid_levels(&coupling), 0.5 * solid_fraction),
             _ => {}
         }
     }
     ((early - late) / (100.0 * dt), node_count(&coupling))
-}
-
-/// Highest level at which the deposited solid fraction of a column, a mean across it, is `level` \[m\].
-fn front_height(coupling: &Simulation<2, 3>, level: f64) -> f64 {
-    let mesh = &coupling.system.fluid().expect("a fluid").mesh;
-    let nodes = mesh.node_position.iter().zip(&coupling.state.porosity);
-    let mut profile: Vec<(f64, f64)> = nodes.map(|(x, porosity)| (x[1], 1.0 - porosity)).collect();
-    profile.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let across = profile.chunk_by(|a, b| b.0 - a.0 < 1e-9);
-    let mean = |row: &[(f64, f64)]| row.iter().map(|node| node.1).sum::<f64>() / row.len() as f64;
-    let profile: Vec<(f64, f64)> = across.map(|row| (row[0].0, mean(row))).collect();
-    let pair = profile
-        .windows(2)
-        .rev()
-        .find(|pair| pair[0].1 >= level && pair[1].1 < level)
-        .expect("a front");
-    let share = (pair[0].1 - level) / (pair[0].1 - pair[1].1);
-    pair[0].0 + share * (pair[1].0 - pair[0].0)
 }
 
 #[test]

@@ -3,10 +3,12 @@
 use std::f64::consts::PI;
 
 use coupler::simulation::Simulation;
-use protocol::scene::{Boundary, DragLaw, Profile, Scheme};
+use protocol::scene::{DragLaw, Scheme};
 use space::flat::numbers;
 use tests::grains::frozen;
-use tests::in_space::{ball, cubic, fine_ball, fluid, mean, particles, scene, spheres};
+use tests::in_space::{
+    ball, cubic, fine_ball, fluid, mean, particles, periodic_across, scene, spheres, upward,
+};
 use tests::reference::{number, rows};
 use tests::{couple_in_space, orders, pressure};
 
@@ -140,20 +142,8 @@ fn packed(porosity: f64, radius: f64, speed: f64) -> f64 {
     let spacing = radius * (4.0 / 3.0 * PI / (1.0 - porosity)).cbrt();
     let counts = [4, 16, 4];
     let upper = counts.map(|count| count as f64 * spacing);
-    let mut fluid = fluid(1000.0, 1e-3, GRAVITY, [0.0; 3], upper, [1, 4, 1]);
-    for side in ["left", "right", "back", "front"] {
-        fluid.boundaries.insert(side.to_owned(), Boundary::Periodic);
-    }
-    let velocity = vec![0.0, speed, 0.0];
-    let inflow = Boundary::Inflow {
-        velocity: velocity.clone(),
-        profile: Profile::Uniform,
-    };
-    let open = Boundary::Open { pressure: 0.0 };
-    for (side, condition) in [("bottom", inflow), ("top", open)] {
-        fluid.boundaries.insert(side.to_owned(), condition);
-    }
-    fluid.initial_velocity = velocity;
+    let fluid = fluid(1000.0, 1e-3, GRAVITY, [0.0; 3], upper, [1, 4, 1]);
+    let fluid = upward(periodic_across(fluid), speed);
     let mut engine = particles(GRAVITY);
     engine.period = vec![Some(upper[0]), None, Some(upper[2])];
     let mut scene = scene(Some(fluid), Some(engine), 1.0, 3);
