@@ -67,7 +67,11 @@ impl Row {
             return;
         };
         self.add(columns::CONTACTS, seat.touching().unwrap_or(0) as f64);
-        for name in [columns::CONTACT_RESIDUAL, columns::PENETRATION_MAX] {
+        for name in [
+            columns::CONTACT_RESIDUAL,
+            columns::CONTACT_SINKING,
+            columns::PENETRATION_MAX,
+        ] {
             self.add(name, value(seat.diagnostics(), name).unwrap_or(0.0));
         }
         for name in columns::COUNTERS {

@@ -171,6 +171,7 @@ mod tests {
             wall_friction: 0.5,
             inertia_factor: 0.5,
             tolerance: 1e-3,
+            solver: None,
             sweeps_max: 100,
             sub_steps_max: 10,
             threads: 1,

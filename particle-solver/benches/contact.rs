@@ -14,6 +14,7 @@ use particle_solver::contact::loads::Loads;
 use particle_solver::contact::pairs::{Margin, pairs};
 use particle_solver::search::neighbours::Neighbours;
 use particle_solver::search::place::Place;
+use particle_solver::small::choice::Solver;
 use particle_solver::solve::sweep::{RELAXATION, sweep};
 use particle_solver::walls::near::Walls;
 use particle_solver::{ContactEngine, Facet, Forces, Grains, Request, Setup, State};
@@ -52,6 +53,7 @@ fn settled(count: usize, columns: usize, friction: f64, steps: u64) -> ContactEn
         wall_friction: friction,
         inertia_factor: 0.5,
         tolerance: 1e-2,
+        solver: Some(Solver::Converged),
         sweeps_max: 100_000,
         sub_steps_max: 100,
     };

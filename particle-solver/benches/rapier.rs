@@ -111,6 +111,7 @@ fn setup(open: bool, tolerance: f64) -> Setup<2> {
         wall_friction: FRICTION,
         inertia_factor: 0.5,
         tolerance,
+        solver: Some(Solver::Converged),
         sweeps_max: 200_000,
         sub_steps_max: 100,
     }

@@ -61,6 +61,37 @@ pub enum Error {
         /// The other one, or a wall when not below the number of grains.
         second: usize,
     },
+    /// Load or motion need more small steps than allowed.
+    #[error(
+        "the load on the grains needs {by_load:.0} and their motion {by_motion:.0} small steps in the step of \
+         {dt:.3e} s, at most {sub_steps_max} allowed (contact.sub_steps_max); take a smaller coupling step"
+    )]
+    SmallSteps {
+        /// By the load on contacts.
+        by_load: f64,
+        /// By the motion of pairs.
+        by_motion: f64,
+        /// Length of the step \[s\].
+        dt: f64,
+        /// Sub-steps allowed.
+        sub_steps_max: u32,
+    },
+    /// Grains overlap too much at the end of a step made in small steps.
+    #[error(
+        "grains overlap by {overlap:.3e} of the radius after {sub_steps} small steps, at most {limit:.3e} allowed, \
+         and twice as many steps are more than {sub_steps_max} (contact.sub_steps_max); take a smaller coupling step \
+         or contact.solver = \"converged\""
+    )]
+    Overlap {
+        /// Largest, of the smaller radius.
+        overlap: f64,
+        /// Allowed.
+        limit: f64,
+        /// Sub-steps made.
+        sub_steps: u32,
+        /// Sub-steps allowed.
+        sub_steps_max: u32,
+    },
     /// A sub-step in which grains may meet far more others than they can touch.
     #[error(
         "more than {most} pairs of {grains} grains may meet in one sub-step: it is too long; take a smaller \

@@ -18,6 +18,7 @@
 //! | `search` | who is near whom, and what is kept of it |
 //! | `contact` | law of one contact, operator and residual of all, pairs of a sub-step |
 //! | `solve` | Gauss–Seidel sweeps, faster iterations, and which is used when |
+//! | `small` | many sub-steps with one sweep each, instead |
 //! | `step` | how many sub-steps, one of them, what is done about overlaps; the engine |
 //! | `checkpoint` | files of the accepted state |
 //! | `serve` | the only file that knows the protocol |
@@ -29,6 +30,7 @@ pub mod grains;
 pub mod search;
 pub mod serve;
 pub mod setup;
+pub mod small;
 pub mod solve;
 pub mod step;
 pub mod walls;

@@ -8,13 +8,14 @@ use protocol::field::Field;
 use protocol::message::{Advance, Capability, Diagnostic, Failure, FailureKind};
 use protocol::process::may_leave_out;
 use protocol::report::ParticleReport;
-use protocol::scene::{ParticleScene, Wall, fixed};
+use protocol::scene::{ContactSolver, ParticleScene, Wall, fixed};
 
 use space::{Dim, Dimension, Linear, Spin, Vector, flat};
 
 use crate::error::Error;
 use crate::grains::{Grains, State, without};
 use crate::setup::Setup;
+use crate::small::choice::Solver;
 use crate::step::candidate::Candidate;
 use crate::step::engine::ContactEngine;
 use crate::step::request::{Forces, Request};
@@ -36,6 +37,8 @@ where
     counted: [u64; 2],
     /// Were there candidates for a contact in some step?
     met: bool,
+    /// Were contacts solved in small steps in some step?
+    pressed: bool,
 }
 
 /// `main` of the engine's process.
@@ -107,6 +110,16 @@ where
         let solver = self.solver.as_mut().ok_or_else(not_configured)?;
         let candidate = solver.advance(&request, &forces).map_err(failure)?;
         write(candidate, outputs)?;
+        let small = candidate.report.sinking.is_some();
+        if small && !self.pressed {
+            let sub_steps = candidate.report.sub_steps;
+            tracing::info!(
+                step = request.step,
+                sub_steps,
+                "contacts are solved in small steps"
+            );
+        }
+        self.pressed |= small;
         if candidate.report.candidates > 0 && !self.met {
             tracing::info!(
                 step = request.step,
@@ -169,6 +182,8 @@ fn failure(error: Error) -> Failure {
         Error::NotFinite { .. } => FailureKind::NotFinite,
         Error::NotConverged { .. }
         | Error::SubSteps { .. }
+        | Error::SmallSteps { .. }
+        | Error::Overlap { .. }
         | Error::Crowded { .. }
         | Error::TooFar { .. }
         | Error::Margin { .. } => FailureKind::NotConverged,
@@ -192,6 +207,7 @@ where
         friction: scene.friction,
         wall_friction: scene.wall_friction,
         inertia_factor: scene.inertia_factor,
+        solver: scene.solver.map(solver),
         tolerance: scene.tolerance,
         sweeps_max: scene.sweeps_max,
         sub_steps_max: scene.sub_steps_max,
@@ -205,6 +221,14 @@ where
     let velocity = vectors(&grains.velocity)?.to_vec();
     let state = State::new(&properties, position, velocity)?;
     ContactEngine::new(setup, properties, state)
+}
+
+/// How the scene has contacts solved.
+fn solver(wished: ContactSolver) -> Solver {
+    match wished {
+        ContactSolver::SmallSteps => Solver::SmallSteps,
+        ContactSolver::Converged => Solver::Converged,
+    }
 }
 
 /// A wall of the scene: as many corners as dimensions.
@@ -306,15 +330,21 @@ where
         touching: Some(report.contacts as u64),
         ..typed
     };
-    let numbers = vec![
+    let mut numbers = vec![
         named("contact_candidates", report.candidates as f64),
         named("contact_sweeps", report.sweeps as f64),
-        named("contact_residual", report.residual.rms),
-        named("contact_residual_max", report.residual.max),
         named("contact_attempts", report.attempts as f64),
         named("penetration_max", report.penetration_max),
         named("kinetic_energy", report.kinetic_energy),
     ];
+    match report.sinking {
+        Some(sinking) => numbers.push(named("contact_sinking", sinking)),
+        None => numbers.extend([
+            named("contact_sinking", 0.0),
+            named("contact_residual", report.residual.rms),
+            named("contact_residual_max", report.residual.max),
+        ]),
+    }
     Ok((typed, numbers))
 }
 

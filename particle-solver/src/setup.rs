@@ -6,6 +6,7 @@ use crate::contact::delassus::Material;
 use crate::contact::law::Friction;
 use crate::error::Error;
 use crate::grains::{Grains, State};
+use crate::small::choice::Solver;
 use crate::walls::facet::Facet;
 use crate::walls::near::Walls;
 
@@ -24,6 +25,8 @@ pub struct Setup<const D: usize> {
     pub wall_friction: f64,
     /// I/(m r²).
     pub inertia_factor: f64,
+    /// How contacts are solved; none: as the state of the grains suggests.
+    pub solver: Option<Solver>,
     /// Contact residual at which a solve stops, when the request names none.
     pub tolerance: f64,
     /// Sweeps allowed in a solve.

@@ -116,6 +116,7 @@ impl Steps {
             wall_friction: 0.0,
             inertia_factor: 0.5,
             tolerance: 1.0,
+            solver: None,
             sweeps_max: 1,
             sub_steps_max: 1,
             threads: 1,

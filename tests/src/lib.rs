@@ -96,6 +96,7 @@ pub fn particles(gravity: [f64; 2]) -> ParticleScene {
         wall_friction: 0.0,
         inertia_factor: 0.5,
         tolerance: 1e-4,
+        solver: None,
         sweeps_max: 50_000,
         sub_steps_max: 100,
         threads: 1,

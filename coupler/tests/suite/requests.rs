@@ -145,6 +145,7 @@ fn scene(scheme: Scheme) -> CouplerScene {
         wall_friction: 0.0,
         inertia_factor: 0.5,
         tolerance: 1e-3,
+        solver: None,
         sweeps_max: 1,
         sub_steps_max: 1,
         threads: 1,

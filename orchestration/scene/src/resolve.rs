@@ -237,6 +237,7 @@ where
         inertia_factor: if geometry == Geometry::Disk { 0.5 } else { 0.4 },
         // Checked before: a scene with grains has [contact].
         tolerance: contact.map_or(f64::NAN, |contact| contact.tolerance),
+        solver: contact.and_then(|contact| contact.solver),
         sweeps_max: contact.map_or(0, |contact| contact.sweeps_max),
         sub_steps_max: contact.map_or(0, |contact| contact.sub_steps_max),
         threads,

@@ -69,21 +69,20 @@ where
         }
     }
 
-    /// Impulses for these sorted pairs in a sub-step of length `dt`; 0 for new contacts.
-    pub fn recall(&self, pairs: &[Pair<D>], dt: f64) -> Vec<Local<D>> {
+    /// Impulses for these sorted contacts in a sub-step of length `dt`; 0 for new ones.
+    pub fn recall(&self, keys: impl Iterator<Item = Key>, dt: f64) -> Vec<Local<D>> {
         let rescale = if self.dt > 0.0 { dt / self.dt } else { 0.0 };
         let mut remembered = self.entries.iter().peekable();
-        let mut impulses = Vec::with_capacity(pairs.len());
-        for pair in pairs {
-            while remembered.peek().is_some_and(|entry| entry.0 < pair.key) {
+        keys.map(|key| {
+            while remembered.peek().is_some_and(|entry| entry.0 < key) {
                 remembered.next();
             }
-            impulses.push(match remembered.peek() {
-                Some((key, impulse)) if *key == pair.key => impulse.times(rescale),
+            match remembered.peek() {
+                Some((known, impulse)) if *known == key => impulse.times(rescale),
                 _ => Local::default(),
-            });
-        }
-        impulses
+            }
+        })
+        .collect()
     }
 }
 

@@ -41,6 +41,15 @@ where
         }
     }
 
+    /// self + other
+    #[inline(always)]
+    pub fn plus(&self, other: &Local<D>) -> Local<D> {
+        Local {
+            normal: self.normal + other.normal,
+            tangential: self.tangential + other.tangential,
+        }
+    }
+
     /// factor · self
     #[inline(always)]
     pub fn times(&self, factor: f64) -> Local<D> {

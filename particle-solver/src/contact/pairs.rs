@@ -79,14 +79,16 @@ where
     }
     let mut found = Vec::new();
     pairs_of_grains(neighbours, place, margin, &mut found)?;
-    let (grains, most) = (grains.count(), most::<D>(grains.count()));
-    not_above(most, found.len(), grains)?;
+    not_above::<D>(found.len(), grains.count(), false)?;
     pairs_with_walls(neighbours, place, margin, &mut found);
-    not_above(most + FACETS * grains, found.len(), grains)?;
-    Ok(sort(found, grains))
+    not_above::<D>(found.len(), grains.count(), true)?;
+    Ok(sort(found, grains.count(), |pair| pair.key))
 }
 
-fn not_above(most: usize, pairs: usize, grains: usize) -> Result<(), Error> {
+/// An error where so many pairs, with those with walls or without, are too many to be solved.
+pub fn not_above<const D: usize>(pairs: usize, grains: usize, walls: bool) -> Result<(), Error> {
+    let facets = if walls { FACETS * grains } else { 0 };
+    let most = most::<D>(grains) + facets;
     match pairs > most {
         true => Err(Error::Crowded { most, grains }),
         false => Ok(()),
@@ -149,10 +151,10 @@ fn pairs_with_walls<const D: usize>(
 }
 
 /// Sort by key: by first grain with a counting sort, then the few of each grain.
-fn sort<const D: usize>(found: Vec<Pair<D>>, grain_count: usize) -> Vec<Pair<D>> {
+pub fn sort<T: Copy>(found: Vec<T>, grain_count: usize, key: impl Fn(&T) -> Key) -> Vec<T> {
     let mut start = vec![0u32; grain_count + 1];
     for pair in &found {
-        start[pair.key.first as usize + 1] += 1;
+        start[key(pair).first as usize + 1] += 1;
     }
     for grain in 0..grain_count {
         start[grain + 1] += start[grain];
@@ -160,20 +162,24 @@ fn sort<const D: usize>(found: Vec<Pair<D>>, grain_count: usize) -> Vec<Pair<D>>
     let mut next = start.clone();
     let mut sorted = found.clone();
     for pair in found {
-        let place = &mut next[pair.key.first as usize];
+        let place = &mut next[key(&pair).first as usize];
         sorted[*place as usize] = pair;
         *place += 1;
     }
     for grain in 0..grain_count {
-        sorted[start[grain] as usize..start[grain + 1] as usize]
-            .sort_unstable_by_key(|pair| pair.key);
+        sorted[start[grain] as usize..start[grain + 1] as usize].sort_unstable_by_key(&key);
     }
     sorted
 }
 
 /// Direction and length of `apart`. Coincident centres get a direction from their numbers, the
 /// same in every step.
-fn direction<const D: usize>(apart: &Vector<D>, size: f64, i: usize, j: usize) -> (Vector<D>, f64) {
+pub fn direction<const D: usize>(
+    apart: &Vector<D>,
+    size: f64,
+    i: usize,
+    j: usize,
+) -> (Vector<D>, f64) {
     let distance = norm(apart);
     if distance > 1e-12 * size {
         return (apart * (1.0 / distance), distance);

@@ -53,7 +53,7 @@ impl Residual {
 }
 
 /// F (D6) \[N\].
-fn force_scale<const D: usize>(
+pub fn force_scale<const D: usize>(
     grains: &Grains,
     loads: &Loads<'_, D>,
     velocity: &[Vector<D>],

@@ -174,14 +174,38 @@ where
         visit: impl FnMut(WallContact<'_, D>),
     ) {
         let (centre, radius) = (&place.position[grain], place.grains.radius[grain]);
-        if let (false, Some(from)) = (self.search_always, self.found.reference.get(grain)) {
-            let distance = SAFE * self.found.wall_distance[grain] - norm(&(centre - from));
-            if distance > place.walls.reach_of_faces(radius + reach) {
-                return;
-            }
+        if self.is_away_from_walls(place, grain, reach) {
+            return;
         }
         self.wall_looks += 1;
         place.walls.near(centre, radius, reach, visit);
+    }
+
+    /// Call `visit` for every wall, by number, offset of the grain and image, that may come within `reach` of the
+    /// surface of a grain that moves no farther than that.
+    pub fn walls_around(
+        &mut self,
+        place: &Place<'_, D>,
+        grain: usize,
+        reach: f64,
+        visit: impl FnMut(usize, Vector<D>, Image),
+    ) {
+        let (centre, radius) = (&place.position[grain], place.grains.radius[grain]);
+        if self.is_away_from_walls(place, grain, reach) {
+            return;
+        }
+        self.wall_looks += 1;
+        place.walls.around(centre, radius + reach, visit);
+    }
+
+    /// Has a grain not used up its distance from all walls?
+    fn is_away_from_walls(&self, place: &Place<'_, D>, grain: usize, reach: f64) -> bool {
+        let (centre, radius) = (&place.position[grain], place.grains.radius[grain]);
+        if let (false, Some(from)) = (self.search_always, self.found.reference.get(grain)) {
+            let distance = SAFE * self.found.wall_distance[grain] - norm(&(centre - from));
+            return distance > place.walls.reach_of_faces(radius + reach);
+        }
+        false
     }
 
     /// Let the list hold every pair within reach; false when that is not worth it.

@@ -21,6 +21,8 @@ pub struct Report {
     pub sweeps: usize,
     /// Largest residual of a sub-step.
     pub residual: Residual,
+    /// Of a step made in small steps: how far contacts sink before they carry their load, of the smaller radius (M6).
+    pub sinking: Option<f64>,
     /// Largest overlap at the end, of the smaller radius.
     pub penetration_max: f64,
     /// Kinetic energy at the end \[J\].
@@ -29,7 +31,7 @@ pub struct Report {
     pub attempts: usize,
 }
 
-/// An active contact at the end of an advance.
+/// An active contact at the end of an advance, in small steps one that acted in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ActiveContact<const D: usize>
 where
@@ -37,8 +39,10 @@ where
 {
     /// The pair, its normal, and its gap at the start of the last sub-step.
     pub pair: Pair<D>,
-    /// Impulse over the length of the sub-step \[N\].
+    /// Impulse over the length of the sub-step, in small steps the mean over the step \[N\].
     pub force: Local<D>,
+    /// The same as a vector, on the first \[N\]; in small steps normals turn, and this is the sum that momentum knows.
+    pub push: Vector<D>,
 }
 
 /// A computed, not yet accepted step.

@@ -23,7 +23,8 @@ pub const SLOP: f64 = 1e-4;
 /// Largest recovery in a sub-step, of the smaller radius.
 pub const RECOVERY_MAX: f64 = 0.02;
 
-const SWEEPS: usize = 20;
+/// Sweeps where a sub-step is solved to the end.
+pub const SWEEPS: usize = 20;
 
 /// Radius of the smaller grain of a contact.
 pub fn smaller_radius<const D: usize>(grains: &Grains, pair: &Pair<D>) -> f64 {
@@ -34,10 +35,15 @@ pub fn smaller_radius<const D: usize>(grains: &Grains, pair: &Pair<D>) -> f64 {
         .map_or(first, |second| first.min(*second))
 }
 
-/// Add to `displacement` \[m\] what removes a part of the overlaps.
-pub fn correct<const D: usize>(grains: &Grains, pairs: &[Pair<D>], displacement: &mut [Vector<D>]) {
+/// Add to `displacement` \[m\] what removes a part of the overlaps, after so many sweeps.
+pub fn correct<const D: usize>(
+    grains: &Grains,
+    pairs: &[Pair<D>],
+    displacement: &mut [Vector<D>],
+    sweeps: usize,
+) {
     if let Some(targets) = targets(grains, pairs, displacement) {
-        let moved = move_apart(grains, pairs, &targets);
+        let moved = move_apart(grains, pairs, &targets, sweeps);
         for (displacement, moved) in displacement.iter_mut().zip(moved) {
             *displacement += moved;
         }
@@ -84,6 +90,7 @@ fn move_apart<const D: usize>(
     grains: &Grains,
     pairs: &[Pair<D>],
     targets: &[f64],
+    sweeps: usize,
 ) -> Vec<Vector<D>> {
     let inverse_mass = |grain: u32| match grains.fixed.get(grain as usize) {
         Some(false) => 1.0 / grains.mass[grain as usize],
@@ -91,7 +98,7 @@ fn move_apart<const D: usize>(
     };
     let mut moved = vec![Vector::zeros(); grains.count()];
     let mut multipliers = vec![0.0f64; pairs.len()];
-    for _ in 0..SWEEPS {
+    for _ in 0..sweeps {
         for ((pair, target), multiplier) in pairs.iter().zip(targets).zip(&mut multipliers) {
             let (one, two) = (inverse_mass(pair.key.first), inverse_mass(pair.key.second));
             let missing = target - dot(&apart(pair, &moved), &pair.normal);

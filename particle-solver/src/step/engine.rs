@@ -13,6 +13,8 @@ use crate::grains::{Grains, State};
 use crate::search::neighbours::{Found, Neighbours};
 use crate::search::place::Place;
 use crate::setup::{Setup, check_places};
+use crate::small::choice::{Solver, choose};
+use crate::small::run as small;
 use crate::solve::schedule::Goal;
 use crate::step::candidate::Candidate;
 use crate::step::motion::Motion;
@@ -34,6 +36,8 @@ where
     candidate: Option<Candidate<D>>,
     /// Label and first impulses of the pass before the candidate's.
     previous_pass: Option<(Label, Impulses<D>)>,
+    /// Step and length for which it was decided how contacts are solved.
+    decided: Option<((u64, f64), Solver)>,
     neighbours: Neighbours<D>,
     /// What was known of neighbours when the state was accepted.
     accepted_search: Arc<Found<D>>,
@@ -60,6 +64,7 @@ where
             accepted: state,
             candidate: None,
             previous_pass: None,
+            decided: None,
             neighbours: Neighbours::default(),
             accepted_search: Arc::default(),
         })
@@ -140,6 +145,7 @@ where
     fn begin_anew(&mut self) {
         self.candidate = None;
         self.previous_pass = None;
+        self.decided = None;
         self.neighbours.forget();
         self.accepted_search = Arc::default();
     }
@@ -179,10 +185,11 @@ where
     ) -> Result<&Candidate<D>, Error> {
         request.check()?;
         forces.check(self.grains.count())?;
+        let solver = self.solver(request, forces);
         let warm = self.warm_start(request);
         self.candidate = None;
         let mut neighbours = std::mem::take(&mut self.neighbours);
-        let computed = self.compute(request, forces, warm, &mut neighbours);
+        let computed = self.compute(request, forces, (solver, warm), &mut neighbours);
         self.neighbours = neighbours;
         Ok(self.candidate.insert(computed?))
     }
@@ -191,9 +198,15 @@ where
         &self,
         request: &Request,
         forces: &Forces<'_, D>,
-        warm: Impulses<D>,
+        (solver, warm): (Solver, Impulses<D>),
         neighbours: &mut Neighbours<D>,
     ) -> Result<Candidate<D>, Error> {
+        let stage = self.stage(request.tolerance);
+        if solver == Solver::SmallSteps {
+            let loads = self.loads(request.dt, forces);
+            let most = self.setup.sub_steps_max;
+            return small::advance(&stage, &self.accepted, neighbours, (request, &loads), most);
+        }
         let sub_steps = match request.sub_steps {
             0 => self.sub_steps(request.dt, forces, neighbours)?,
             given => given,
@@ -202,7 +215,6 @@ where
             impulses: warm,
             ..self.accepted.clone()
         };
-        let stage = self.stage(request.tolerance);
         let loads = self.loads(request.dt / f64::from(sub_steps), forces);
         Motion::new(&stage, start).run(neighbours, request, &loads, sub_steps)
     }
@@ -224,6 +236,20 @@ where
             period: self.setup.period,
         };
         count(neighbours, &place, &free, dt, self.setup.sub_steps_max)
+    }
+
+    /// How this step is solved: decided in its first pass, the others follow.
+    fn solver(&mut self, request: &Request, forces: &Forces<'_, D>) -> Solver {
+        let step = (request.step, request.dt);
+        if let (1.., Some((known, solver))) = (request.pass, self.decided)
+            && known == step
+        {
+            return solver;
+        }
+        let (wished, accepted) = (self.setup.solver, &self.accepted);
+        let solver = choose(wished, &self.grains, accepted, forces.drag, request.dt);
+        self.decided = Some((step, solver));
+        solver
     }
 
     /// Impulses to start from: accepted ones in pass 0, afterwards those of the pass before of the

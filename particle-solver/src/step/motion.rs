@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::grains::State;
 use crate::search::neighbours::Neighbours;
 use crate::step::candidate::{ActiveContact, Candidate, Report};
-use crate::step::correct::{correct, gap_after, smaller_radius};
+use crate::step::correct::{SWEEPS, correct, gap_after, smaller_radius};
 use crate::step::request::Request;
 use crate::step::sub_step::{Solved, Stage, impulses, solve_contacts};
 use crate::step::touched::Touched;
@@ -20,13 +20,17 @@ where
     Dim<D>: Dimension<D>,
 {
     stage: &'a Stage<'a, D>,
-    state: State<D>,
+    /// Where the grains are now.
+    pub state: State<D>,
     /// Since the start of the step \[m\].
-    displacement: Vec<Vector<D>>,
-    touched: Touched,
-    report: Report,
+    pub displacement: Vec<Vector<D>>,
+    /// Who has touched.
+    pub touched: Touched,
+    /// Numbers so far.
+    pub report: Report,
     first_impulses: Option<Impulses<D>>,
-    active: Vec<ActiveContact<D>>,
+    /// Contacts that act.
+    pub active: Vec<ActiveContact<D>>,
 }
 
 impl<'a, const D: usize> Motion<'a, D>
@@ -79,7 +83,7 @@ where
             }
             displacement.push(body.velocity * dt);
         }
-        correct(grains, &solved.pairs, &mut displacement);
+        correct(grains, &solved.pairs, &mut displacement, SWEEPS);
         for (grain, moved) in displacement.iter().enumerate() {
             self.state.position[grain] += moved;
             self.displacement[grain] += moved;
@@ -106,7 +110,9 @@ where
                 let (first, second) = (pair.key.first as usize, pair.key.second as usize);
                 self.touched.join(first, second, &grains.fixed);
                 let force = contact.impulse.over(dt);
-                self.active.push(ActiveContact { pair: *pair, force });
+                let push = Dim::<D>::combined(force.normal, force.tangential, &pair.normal);
+                let pair = *pair;
+                self.active.push(ActiveContact { pair, force, push });
             }
         }
         penetration_max
@@ -123,7 +129,8 @@ where
         report.attempts += solved.attempts;
     }
 
-    fn finish(mut self, request: &Request) -> Candidate<D> {
+    /// The candidate.
+    pub fn finish(mut self, request: &Request) -> Candidate<D> {
         let grains = self.stage.grains;
         let inertia_factor = self.stage.material.inertia_factor;
         self.report.kinetic_energy = self.state.kinetic_energy(grains, inertia_factor);

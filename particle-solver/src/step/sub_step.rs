@@ -7,7 +7,7 @@
 use space::{Dim, Dimension, Period, Vector, dot, norm};
 
 use crate::contact::delassus::{Material, System};
-use crate::contact::impulses::{Impulses, Pair};
+use crate::contact::impulses::{Impulses, Key, Pair};
 use crate::contact::loads::Loads;
 use crate::contact::pairs::{Margin, pairs};
 use crate::error::Error;
@@ -44,7 +44,8 @@ pub struct Stage<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Stage<'a, D> {
-    fn place(&self, position: &'a [Vector<D>]) -> Place<'a, D> {
+    /// The grains at these positions \[m\].
+    pub fn place(&self, position: &'a [Vector<D>]) -> Place<'a, D> {
         Place {
             grains: self.grains,
             position,
@@ -95,7 +96,7 @@ where
     if allow_for_impacts(&pairs, &free.velocity, loads.dt, &mut push) {
         pairs = find(&push)?;
     }
-    let mut start = state.impulses.recall(&pairs, loads.dt);
+    let mut start = state.impulses.recall(keys(&pairs), loads.dt);
     let mut sweeps = 0;
     let mut last = Pushed::default();
     for attempts in 1..=ATTEMPTS_MAX {
@@ -117,9 +118,14 @@ where
         last = pushed;
         let solved = impulses(&system, &pairs, loads.dt);
         pairs = find(&push)?;
-        start = solved.recall(&pairs, loads.dt);
+        start = solved.recall(keys(&pairs), loads.dt);
     }
     Err(last.error())
+}
+
+/// Which contacts they are.
+fn keys<const D: usize>(pairs: &[Pair<D>]) -> impl Iterator<Item = Key> {
+    pairs.iter().map(|pair| pair.key)
 }
 
 /// The impulses that act, by key.

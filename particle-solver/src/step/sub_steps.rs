@@ -178,7 +178,12 @@ where
 }
 
 /// Sub-steps for a pair `apart` whose relative displacement over the step is `moved`.
-fn of_meeting<const D: usize>(apart: &Vector<D>, moved: &Vector<D>, size: f64, smaller: f64) -> f64
+pub fn of_meeting<const D: usize>(
+    apart: &Vector<D>,
+    moved: &Vector<D>,
+    size: f64,
+    smaller: f64,
+) -> f64
 where
     Dim<D>: Dimension<D>,
 {

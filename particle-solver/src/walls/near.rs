@@ -244,6 +244,61 @@ where
         }
     }
 
+    /// Call `visit` with number, offset and image of every face and ridge within `reach` \[m\] of a point, over which
+    /// it may or may not be.
+    pub fn around(
+        &self,
+        centre: &Vector<D>,
+        reach: f64,
+        mut visit: impl FnMut(usize, Vector<D>, Image),
+    ) {
+        let of_faces = self.reach_of_faces(reach);
+        for (number, face) in self.faces.iter().enumerate() {
+            self.each_offset(centre, &face.middle, |offset, image| {
+                if norm(&offset) - face.extent < of_faces && face.distance(&offset) < of_faces {
+                    visit(number, offset, image);
+                }
+            });
+        }
+        for (number, ridge) in self.ridges.iter().enumerate() {
+            self.each_offset(centre, &ridge.middle, |offset, image| {
+                if ridge.distance(&offset) < reach {
+                    visit(self.faces.len() + number, offset, image);
+                }
+            });
+        }
+    }
+
+    /// Middle of a face or ridge, of which an offset is counted \[m\].
+    #[inline]
+    pub fn middle(&self, feature: usize) -> &Vector<D> {
+        match self.faces.get(feature) {
+            Some(face) => &face.middle,
+            None => &self.ridges[feature - self.faces.len()].middle,
+        }
+    }
+
+    /// Gap \[m\] and normal of a grain at this offset from a face or ridge; none where it is not over it, or its
+    /// surface farther than `reach`.
+    #[inline]
+    pub fn touched_by(
+        &self,
+        feature: usize,
+        offset: &Vector<D>,
+        radius: f64,
+        reach: f64,
+    ) -> Option<(f64, Vector<D>)> {
+        match self.faces.get(feature) {
+            Some(face) => face_near(face, offset, radius, reach).map(|(gap, _)| (gap, face.normal)),
+            None => ridge_near(
+                &self.ridges[feature - self.faces.len()],
+                offset,
+                radius,
+                reach,
+            ),
+        }
+    }
+
     /// From the nearest image and, where the domain is periodic, those beside it.
     #[inline]
     fn each_offset(

@@ -51,6 +51,15 @@ where
         parallel && apart < tolerance
     }
 
+    /// To the nearest point of the ridge \[m\].
+    pub fn distance(&self, offset: &Vector<D>) -> f64 {
+        let nearest = match self.along {
+            Some((unit, half_length)) => unit * dot(offset, &unit).clamp(-half_length, half_length),
+            None => Vector::zeros(),
+        };
+        norm(&(offset - nearest))
+    }
+
     /// From the nearest point of the ridge to a grain that touches nothing nearer than it: none
     /// beyond the ends of an edge, and over a facet.
     #[inline]

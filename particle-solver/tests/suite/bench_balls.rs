@@ -53,6 +53,7 @@ pub fn nothing() -> Setup<3> {
         wall_friction: 0.0,
         inertia_factor: 0.4,
         tolerance: plane.tolerance,
+        solver: plane.solver,
         sweeps_max: plane.sweeps_max,
         sub_steps_max: plane.sub_steps_max,
     }

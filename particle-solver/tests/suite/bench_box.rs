@@ -1,10 +1,13 @@
 //! Builders that the tests share.
 
+use particle_solver::small::choice::Solver;
 use particle_solver::{
     Candidate, ContactEngine, Error, Facet, Forces, Grains, Request, Setup, State,
 };
+use rustix::time::{ClockId, clock_gettime};
 use space::Vector;
 use std::f64::consts::PI;
+use std::time::Duration;
 
 /// Components of a vector.
 pub fn xy(vector: Vector<2>) -> [f64; 2] {
@@ -24,6 +27,7 @@ pub fn empty() -> Setup<2> {
         wall_friction: 0.0,
         inertia_factor: 0.5,
         tolerance: 1e-13,
+        solver: Some(Solver::Converged),
         sweeps_max: 20_000,
         sub_steps_max: 1000,
     }
@@ -161,4 +165,15 @@ pub fn loose_disks(count: usize, columns: usize, spread: f64, seed: u64) -> Vec<
             disk(x, y, 1.0 + spread * (2.0 * random.next() - 1.0))
         })
         .collect()
+}
+
+/// Nanoseconds of this thread's CPU that a call takes.
+pub fn cost(mut call: impl FnMut()) -> f64 {
+    let now = || {
+        let time = clock_gettime(ClockId::ThreadCPUTime);
+        Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
+    };
+    let before = now();
+    call();
+    (now() - before).as_nanos() as f64
 }

@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 
 use crate::bench_balls::*;
-use crate::bench_box::{Random, choose, request};
-use particle_solver::{ContactEngine, Facet, Setup, State};
-use space::{Dim, Dimension, Vector};
+use crate::bench_box::{Random, choose};
+use particle_solver::small::choice::Solver;
+use particle_solver::{Candidate, ContactEngine, Facet, Setup};
+use space::Vector;
 
 const FRICTION: f64 = 0.5;
 const DT: f64 = 2e-2;
@@ -19,6 +20,7 @@ fn rough(walls: Vec<Facet<3>>) -> Setup<3> {
         friction: FRICTION,
         wall_friction: FRICTION,
         tolerance: 1e-2,
+        solver: Some(Solver::SmallSteps),
         ..nothing()
     }
 }
@@ -129,18 +131,11 @@ fn balance(engine: &ContactEngine<3>, count: usize) -> Balance {
     }
 }
 
-/// Impulse of the ground on the balls in a step: floor and glued balls have the numbers from `count` on.
-fn support(before: &State<3>, after: &State<3>, count: usize) -> Vector<3> {
-    let place = &before.position;
-    let outside = after.impulses.entries.iter();
-    let outside = outside.filter(|(key, _)| key.second as usize >= count);
-    outside.fold(Vector::zeros(), |sum, (key, impulse)| {
-        let normal = match place.get(key.second as usize) {
-            Some(glued) => (place[key.first as usize] - glued).normalize(),
-            None => [0.0, 0.0, 1.0].into(),
-        };
-        sum + Dim::<3>::combined(impulse.normal, impulse.tangential, &normal)
-    })
+/// Force of the ground on the balls in a step: floor and glued balls have the numbers from `count` on.
+fn support(candidate: &Candidate<3>, count: usize) -> Vector<3> {
+    let outside = candidate.active.iter();
+    let outside = outside.filter(|active| active.pair.key.second as usize >= count);
+    outside.fold(Vector::zeros(), |sum, active| sum + active.push)
 }
 
 /// What a collapse did.
@@ -175,12 +170,10 @@ fn collapse(balls: &[Ball], radius: f64, height: f64) -> Collapse {
     let (mut gain, mut defect, mut before): (f64, f64, _) = (0.0, 0.0, first.energy);
     let (mut momentum, mut kinetic, mut last) = (Vector::zeros(), 0.0f64, 0.0);
     for number in 1..=(6.0 * (height / G).sqrt() / DT) as u64 {
-        let state = engine.accepted().clone();
-        let candidate = step(&mut engine, &request(number, DT));
+        let candidate = step(&mut engine, &choose(number, DT));
         let now = balance(&engine, count);
         let weight = Vector::from([0.0, 0.0, -now.weight]);
-        let impulse = support(&state, engine.accepted(), count) + weight * DT;
-        let missing = now.momentum - momentum - impulse;
+        let missing = now.momentum - momentum - (support(&candidate, count) + weight) * DT;
         defect = defect.max(missing.norm() / (now.weight * DT));
         gain = gain.max((now.energy - before) / (first.energy - base));
         (momentum, before, last) = (now.momentum, now.energy, candidate.report.kinetic_energy);
@@ -268,7 +261,7 @@ fn a_column_of_balls_spreads_and_keeps_its_balances() {
 fn larger_columns_of_balls_run_out_farther() {
     println!("{HEADER}");
     let mut before = 0.0;
-    for count in [375, 1000, 3000] {
+    for count in [1000, 3000, 10_000] {
         let (aspect, run_out) = row(count, 1.0);
         let share = run_out / known(aspect);
         assert!(share > before && share < 1.0);

@@ -11,5 +11,6 @@ mod packing;
 mod pathology;
 mod replay;
 mod repose;
+mod small_steps;
 mod thrown_away;
 mod unit_costs;

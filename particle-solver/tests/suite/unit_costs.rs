@@ -3,10 +3,9 @@
 use std::env::current_exe;
 use std::fs::read_to_string;
 use std::process::Command;
-use std::time::Duration;
 
 use crate::bench_balls::{G, floor};
-use crate::bench_box::{Random, choose, wall};
+use crate::bench_box::{Random, choose, cost, wall};
 use particle_solver::contact::delassus::{Material, System};
 use particle_solver::contact::impulses::Pair;
 use particle_solver::contact::law::Friction;
@@ -17,7 +16,6 @@ use particle_solver::search::place::Place;
 use particle_solver::solve::sweep::{RELAXATION, sweep};
 use particle_solver::walls::near::Walls;
 use particle_solver::{ContactEngine, Facet, Forces, Grains, Setup, State};
-use rustix::time::{ClockId, clock_gettime};
 use space::vector::from_fn;
 use space::{Dim, Dimension, Vector};
 
@@ -51,6 +49,7 @@ where
         wall_friction: 0.3,
         inertia_factor: if D == 2 { 0.5 } else { 0.4 },
         tolerance: 1e-2,
+        solver: None,
         sweeps_max: 100_000,
         sub_steps_max: 100,
     };
@@ -141,17 +140,6 @@ where
             (&pairs, self.walls.grounds()),
         )
     }
-}
-
-/// Nanoseconds of this thread's CPU that a call takes.
-fn cost(mut call: impl FnMut()) -> f64 {
-    let now = || {
-        let time = clock_gettime(ClockId::ThreadCPUTime);
-        Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
-    };
-    let before = now();
-    call();
-    (now() - before).as_nanos() as f64
 }
 
 fn median(samples: &mut [f64]) -> f64 {

@@ -34,8 +34,10 @@ pub const SUB_STEPS: &str = "sub_steps";
 pub const CONTACTS: &str = "contacts";
 /// Is the convection there? 0 or 1.
 pub const CONVECTION: &str = "convection";
-/// How far the impulses are from the contact laws.
+/// How far the impulses are from the contact laws, where they are solved to the end.
 pub const CONTACT_RESIDUAL: &str = "contact_residual";
+/// How far contacts sink before they carry their load, of the radius; 0: solved to the end.
+pub const CONTACT_SINKING: &str = "contact_sinking";
 /// Deepest overlap \[m\].
 pub const PENETRATION_MAX: &str = "penetration_max";
 /// Smallest porosity of a node.
@@ -129,7 +131,8 @@ pub fn unit(name: &str, kind: Kind) -> Option<&'static str> {
         "mesh_volume" => fluid("m²", "m³"),
         "mesh_energy" => fluid("J/m", "J"),
         "pressure_drop" => "Pa",
-        CONTACT_RESIDUAL | PENETRATION_MAX | POROSITY_MIN | "transfer_loss" | "reynolds" => "–",
+        CONTACT_RESIDUAL | CONTACT_SINKING | PENETRATION_MAX | POROSITY_MIN => "–",
+        "transfer_loss" | "reynolds" => "–",
         _ if is_cost(name) => "s",
         _ if is_count(name) || name.ends_with(DEFECT) => "–",
         _ if starts("centre_") => "m",

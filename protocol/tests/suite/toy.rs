@@ -224,6 +224,7 @@ pub fn particle_scene() -> ParticleScene {
         wall_friction: 0.0,
         inertia_factor: 0.5,
         tolerance: 1e-3,
+        solver: None,
         sweeps_max: 100,
         sub_steps_max: 10,
         threads: 1,

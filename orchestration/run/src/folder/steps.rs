@@ -204,7 +204,7 @@ impl Summary {
                 name if SUMMED.contains(&name) || columns::is_cost(name) => {
                     *self.sums.entry(name.to_owned()).or_default() += value
                 }
-                columns::CONTACT_RESIDUAL | columns::PENETRATION_MAX => {
+                columns::CONTACT_RESIDUAL | columns::CONTACT_SINKING | columns::PENETRATION_MAX => {
                     kept(&mut self.worst, larger)
                 }
                 columns::POROSITY_MIN => kept(&mut self.worst, f64::min),

@@ -1,6 +1,6 @@
 //! Keys of contacts and of the coupling: `[contact]` and `[coupling]`.
 
-use protocol::scene::{AdaptiveStep, DragLaw, Geometry, Scheme};
+use protocol::scene::{AdaptiveStep, ContactSolver, DragLaw, Geometry, Scheme};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +17,10 @@ pub struct Contact {
     /// Coulomb coefficient between grains and walls; left out: as between grains.
     #[schemars(transform = not_negative)]
     pub wall_friction: Option<f64>,
+    /// "small-steps": a step is cut into sub-steps with one sweep each, for grains that press on each other for long;
+    /// "converged": sweeps until the laws of contact hold to the tolerance. Left out: as the state of the grains
+    /// suggests, step by step.
+    pub solver: Option<ContactSolver>,
     /// Residual at which a contact solve stops, of |g| Δt.
     #[schemars(transform = tolerance)]
     pub tolerance: f64,

@@ -9,7 +9,8 @@ use std::fmt;
 use protocol::field::Field;
 use protocol::message::Role;
 use protocol::scene::{
-    Boundary, CREEPING_REYNOLDS, Convection, LUMPED_RATIO_MAX, MeanFlow, MeshSource, Scheme, Wall,
+    Boundary, CREEPING_REYNOLDS, ContactSolver, Convection, LUMPED_RATIO_MAX, MeanFlow, MeshSource,
+    Scheme, Wall,
 };
 use serde::Serialize;
 use space::grid::SPARE;
@@ -356,16 +357,24 @@ fn sub_steps(scene: &Scene) -> Option<Choice> {
     if scene.coupler.grains_stay {
         return None;
     }
+    let (chosen, reason) = match part.solver {
+        Some(ContactSolver::Converged) => (
+            "one, and more where grains pass each other",
+            "contact.solver; from relative motion and gaps",
+        ),
+        Some(ContactSolver::SmallSteps) => (
+            "small steps: eight, and more by load and motion",
+            "contact.solver",
+        ),
+        None => (
+            "one, and more where grains pass each other; small steps while they press on each other",
+            "a cloud that moves as one needs one, heaps are cheaper in small steps",
+        ),
+    };
+    let most = part.sub_steps_max;
     Some(Choice {
         watched: true,
-        ..plain(
-            "sub-steps",
-            "one, and more where grains pass each other",
-            format!(
-                "from relative motion and gaps, at most {}; a cloud that moves as one needs one",
-                part.sub_steps_max
-            ),
-        )
+        ..plain("sub-steps", chosen, format!("{reason}; at most {most}"))
     })
 }
 

@@ -19,5 +19,5 @@ pub use coupling::{
 pub use door::fixed;
 pub use fluid::{Diagonals, FluidScene, MeshSource, Nonlinear, TimeScheme, ViscousForm};
 pub use mean_flow::MeanFlow;
-pub use particles::{ParticleScene, Wall};
+pub use particles::{ContactSolver, ParticleScene, Wall};
 pub use refinement::{Indicator, NearGrains, REGIONS_MAX, Refinement, Region};

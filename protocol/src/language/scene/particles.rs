@@ -1,5 +1,6 @@
 //! What the particle engine needs to know.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::door::{dimension, fits};
@@ -22,6 +23,9 @@ pub struct ParticleScene {
     pub wall_friction: f64,
     /// Moment of inertia over m r²: 1/2 for disks, 2/5 for spheres.
     pub inertia_factor: f64,
+    /// How the built-in engine solves contacts; none: as the state of the grains suggests.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub solver: Option<ContactSolver>,
     /// Contact residual (natural map) at which a solve stops, relative to |g|Δt.
     pub tolerance: f64,
     /// Sweeps allowed; more is an error.
@@ -30,6 +34,16 @@ pub struct ParticleScene {
     pub sub_steps_max: u32,
     /// Threads the engine may use.
     pub threads: usize,
+}
+
+/// How contacts are solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContactSolver {
+    /// Many sub-steps with one relaxed sweep each.
+    SmallSteps,
+    /// Sweeps until the laws of contact hold to the tolerance.
+    Converged,
 }
 
 impl ParticleScene {
