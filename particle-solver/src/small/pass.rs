@@ -57,11 +57,7 @@ where
         let (feature, radius) = (contact.feature as usize, one.radius);
         return frame.walls.touched_by(feature, &offset, radius, radius);
     }
-    let mut apart = one.position - two.position;
-    if contact.shift != 0 {
-        apart += frame.shifts[contact.shift as usize];
-    }
-    let size = one.radius + two.radius;
+    let (apart, size) = (apart(frame, contact, one, two), one.radius + two.radius);
     let square = dot(&apart, &apart);
     if square > 1e-24 * size * size {
         let distance = square.sqrt();
@@ -70,6 +66,42 @@ where
     let (first, second) = (contact.first as usize, contact.second as usize);
     let (normal, distance) = direction(&apart, size, first, second);
     Some((distance - size, normal))
+}
+
+/// From the centre of the second to that of the first of two grains \[m\].
+#[inline(always)]
+fn apart<const D: usize>(
+    frame: &Frame<'_, D>,
+    contact: &Contact<D>,
+    one: &Body<D>,
+    two: &Body<D>,
+) -> Vector<D>
+where
+    Dim<D>: Dimension<D>,
+{
+    let apart = one.position - two.position;
+    match contact.shift {
+        0 => apart,
+        shift => apart + frame.shifts[shift as usize],
+    }
+}
+
+/// Are two grains so far from each other that they do not meet in the sub-step, at whatever angle?
+#[inline(always)]
+fn are_far<const D: usize>(
+    frame: &Frame<'_, D>,
+    contact: &Contact<D>,
+    one: &Body<D>,
+    two: &Body<D>,
+) -> bool
+where
+    Dim<D>: Dimension<D>,
+{
+    let apart = apart(frame, contact, one, two);
+    let relative = one.velocity - two.velocity;
+    let speed = (0..D).fold(0.0, |sum, axis| sum + relative[axis].abs());
+    let reach = one.radius + two.radius + frame.dt * speed;
+    dot(&apart, &apart) >= reach * reach
 }
 
 /// Give velocities what forces and the contacts of the sub-step before give (M3).
@@ -115,12 +147,15 @@ fn visit<const D: usize>(
 {
     let one = bodies[contact.first as usize];
     let two = bodies[contact.second as usize];
+    let acts = contact.normal > 0.0;
+    if !acts && contact.feature == GRAIN && are_far(frame, contact, &one, &two) {
+        return;
+    }
     let wall = contact.second >= frame.ground;
     let Some((gap, normal)) = geometry(frame, contact, &one, &two) else {
         apply(bodies, contact, Local::default(), &Vector::zeros());
         return;
     };
-    let acts = contact.normal > 0.0;
     let slack = if acts {
         HYSTERESIS * one.radius.min(two.radius)
     } else {

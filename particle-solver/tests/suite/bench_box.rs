@@ -177,3 +177,9 @@ pub fn cost(mut call: impl FnMut()) -> f64 {
     call();
     (now() - before).as_nanos() as f64
 }
+
+/// The middle one.
+pub fn median(samples: &mut [f64]) -> f64 {
+    samples.sort_by(f64::total_cmp);
+    samples[samples.len() / 2]
+}

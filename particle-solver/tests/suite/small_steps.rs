@@ -297,3 +297,45 @@ fn collapses_in_small_steps_end_where_those_of_small_converged_steps_do() {
         assert!(apart.abs() < 2.0);
     }
 }
+
+/// An engine with another way to solve contacts, from the same state.
+fn as_well(engine: &Engine, solver: Solver) -> Engine {
+    let setup = Setup {
+        solver: Some(solver),
+        ..engine.setup().clone()
+    };
+    let (grains, state) = (engine.grains().clone(), engine.accepted().clone());
+    Engine::new(setup, grains, state).expect("as valid as before")
+}
+
+/// `cargo test --release -p particle-solver --test suite a_step_of_ten_thousand -- --ignored --nocapture`
+#[test]
+#[ignore = "a bench, minutes"]
+fn a_step_of_ten_thousand_in_small_steps_and_converged() {
+    println!("| grains | CPU ms a step: small steps | converged | ratio | sub-steps | sweeps |");
+    for (scale, steps) in [(1.0, 20), (10f64.sqrt(), 3)] {
+        let walls = box_walls(1.2 * scale, 100.0);
+        let mut small = engine(setup(Solver::SmallSteps, 0.3, walls), &trough(scale, 0));
+        for number in 1..=100 {
+            step(&mut small, &choose(number, DT));
+        }
+        let (mut costs, mut work) = ([Vec::new(), Vec::new()], [0, 0]);
+        let mut both = [small.clone(), as_well(&small, Solver::Converged)];
+        for number in 101..=100 + steps {
+            for (k, engine) in both.iter_mut().enumerate() {
+                costs[k].push(
+                    1e-6 * cost(|| work[k] += step(engine, &choose(number, DT)).report.sweeps),
+                );
+            }
+        }
+        let [mut a, mut b] = costs;
+        let [a, b] = [&mut a, &mut b].map(|costs| median(costs));
+        println!(
+            "| {} | {a:.2} | {b:.1} | {:.0} | {:.1} | {:.0} |",
+            small.grains().count(),
+            b / a,
+            work[0] as f64 / steps as f64,
+            work[1] as f64 / steps as f64,
+        );
+    }
+}

@@ -5,7 +5,7 @@ use std::fs::read_to_string;
 use std::process::Command;
 
 use crate::bench_balls::{G, floor};
-use crate::bench_box::{Random, choose, cost, wall};
+use crate::bench_box::{Random, choose, cost, median, wall};
 use particle_solver::contact::delassus::{Material, System};
 use particle_solver::contact::impulses::Pair;
 use particle_solver::contact::law::Friction;
@@ -13,7 +13,11 @@ use particle_solver::contact::loads::Loads;
 use particle_solver::contact::pairs::{Margin, pairs};
 use particle_solver::search::neighbours::Neighbours;
 use particle_solver::search::place::Place;
+use particle_solver::small::near::{Found, find};
+use particle_solver::small::stretch::Stretch;
+use particle_solver::solve::schedule::Goal;
 use particle_solver::solve::sweep::{RELAXATION, sweep};
+use particle_solver::step::sub_step::Stage;
 use particle_solver::walls::near::Walls;
 use particle_solver::{ContactEngine, Facet, Forces, Grains, Setup, State};
 use space::vector::from_fn;
@@ -119,6 +123,44 @@ where
         pairs(neighbours, &place, &margin).expect("few enough")
     }
 
+    /// Candidates of small steps.
+    fn near(&self, neighbours: &mut Neighbours<D>) -> Found<D> {
+        let (grains, state) = (self.engine.grains(), self.engine.accepted());
+        let free = self.loads().free_motion(grains, state);
+        let place = Place {
+            grains,
+            position: &state.position,
+            walls: &self.walls,
+            period: self.engine.setup().period,
+        };
+        find(neighbours, &place, &free.velocity, DT).expect("few enough")
+    }
+
+    fn stage(&self) -> Stage<'_, D> {
+        let setup = self.engine.setup();
+        Stage {
+            grains: self.engine.grains(),
+            walls: &self.walls,
+            period: setup.period,
+            material: setup.material(),
+            goal: Goal {
+                wished: setup.tolerance,
+                required: setup.tolerance,
+            },
+            sweeps_max: setup.sweeps_max,
+        }
+    }
+
+    fn stretch<'a>(&self, stage: &'a Stage<'_, D>, found: &'a Found<D>) -> Stretch<'a, D> {
+        let loads = Loads {
+            dt: DT / 20.0,
+            ..self.loads()
+        };
+        let state = self.engine.accepted();
+        let expected = state.velocity.clone();
+        Stretch::new(stage, state, &loads, (found, expected))
+    }
+
     fn system(&self, friction: f64) -> System<D> {
         let grains = self.engine.grains();
         let friction = Friction {
@@ -140,11 +182,6 @@ where
             (&pairs, self.walls.grounds()),
         )
     }
-}
-
-fn median(samples: &mut [f64]) -> f64 {
-    samples.sort_by(f64::total_cmp);
-    samples[samples.len() / 2]
 }
 
 /// A row of costs of a contact, disks and balls in turn.
@@ -200,6 +237,33 @@ fn a_contact_of_balls_beside_one_of_disks() {
             || _ = sweep(&mut two, RELAXATION),
         );
     }
+}
+
+/// What small steps cost: of a candidate and sub-step, the grains' part in it, and of a candidate found.
+#[test]
+#[ignore = "a bench"]
+fn a_small_step_of_balls_beside_one_of_disks() {
+    let (plane, space) = (Bench::new(disks(400)), Bench::new(balls(400)));
+    let found = [
+        plane.near(&mut Neighbours::default()).near.len(),
+        space.near(&mut Neighbours::default()).near.len(),
+    ];
+    println!("{COUNT} disks and balls with {found:?} candidates");
+    println!("| of a candidate, medians of 101 | disks | balls | ratio |");
+    let mut kept = (Neighbours::default(), Neighbours::default());
+    row(
+        "found in the list",
+        found,
+        || drop(plane.near(&mut kept.0)),
+        || drop(space.near(&mut kept.1)),
+    );
+    let near = (
+        plane.near(&mut Neighbours::default()),
+        space.near(&mut Neighbours::default()),
+    );
+    let (one, two) = (plane.stage(), space.stage());
+    let (mut one, mut two) = (plane.stretch(&one, &near.0), space.stretch(&two, &near.1));
+    row("a sub-step", found, || _ = one.run(1), || _ = two.run(1));
 }
 
 /// A number of kilobytes of /proc/self/status in bytes.
