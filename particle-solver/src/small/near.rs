@@ -29,8 +29,10 @@ use crate::search::neighbours::Neighbours;
 use crate::search::place::Place;
 use crate::step::sub_steps::of_meeting;
 
-/// Distance from its straight path that a grain is allowed, of its radius.
-pub const PUSH: f64 = 0.2;
+/// Distance from its straight path that a grain is allowed, of its radius: in space less, as a ball has more neighbours.
+pub const fn push<const D: usize>() -> f64 {
+    if D == 2 { 0.2 } else { 0.1 }
+}
 
 /// A contact that may act.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,7 +104,11 @@ where
     Dim<D>: Dimension<D>,
 {
     let grains = place.grains;
-    let push: Vec<f64> = grains.radius.iter().map(|radius| PUSH * radius).collect();
+    let push: Vec<f64> = grains
+        .radius
+        .iter()
+        .map(|radius| push::<D>() * radius)
+        .collect();
     let margin = Margin {
         dt: rest,
         free_velocity: velocity,
@@ -143,7 +149,7 @@ where
         let (normal, distance) = direction(&apart, size, i, j);
         let moved = (margin.free_velocity[i] - margin.free_velocity[j]) * margin.dt;
         let gap = distance - size;
-        if gap + dot(&moved, &normal).min(0.0) >= PUSH * size {
+        if gap + dot(&moved, &normal).min(0.0) >= push::<D>() * size {
             return;
         }
         let smaller = radius[i].min(radius[j]);

@@ -16,7 +16,7 @@ use space::{Dim, Dimension, Vector, dot};
 
 use crate::contact::law::{Friction, Local, normal_impulse, tangential_impulse};
 use crate::contact::pairs::direction;
-use crate::small::near::PUSH;
+use crate::small::near::push;
 use crate::small::records::{Body, Contact, Free, GRAIN, Given, Sum};
 use crate::walls::near::Walls;
 
@@ -248,7 +248,7 @@ where
         };
         body.position += body.velocity * dt;
         let aside = body.position - path.from - path.velocity * t;
-        let most = PUSH * body.radius;
+        let most = push::<D>() * body.radius;
         strays |= dot(&aside, &aside) > most * most;
     }
     strays

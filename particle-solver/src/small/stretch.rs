@@ -10,6 +10,7 @@ use crate::small::near::{Found, Near};
 use crate::small::pass::{Frame, Path, apply, begin, end, geometry, visit_all};
 use crate::small::records::{Body, Contact, Free, Given, Sum, bodies, contacts};
 use crate::step::candidate::ActiveContact;
+use crate::step::correct::RECOVERY_MAX;
 use crate::step::sub_step::Stage;
 
 /// Sub-steps with the same candidates.
@@ -79,23 +80,24 @@ where
     fn recall(&mut self, impulses: &Impulses<D>) {
         let keys = self.near.iter().map(|near| near.key);
         let recalled = impulses.recall(keys, self.frame.dt);
-        let mut pushed = self.bodies.clone();
+        for (given, body) in self.given.iter_mut().zip(&self.bodies) {
+            (given.velocity, given.surface) = (body.velocity, body.surface);
+        }
         for (contact, impulse) in self.contacts.iter_mut().zip(recalled) {
             if impulse.normal == 0.0 {
                 continue;
             }
-            let (one, two) = (
-                &pushed[contact.first as usize],
-                &pushed[contact.second as usize],
-            );
+            let (one, two) = (contact.first as usize, contact.second as usize);
+            let (one, two) = (&self.bodies[one], &self.bodies[two]);
             if let Some((_, normal)) = geometry(&self.frame, contact, one, two) {
-                apply(&mut pushed, contact, impulse, &normal);
+                apply(&mut self.bodies, contact, impulse, &normal);
             }
         }
-        let bodies = pushed.iter().zip(&self.bodies);
-        for (given, (pushed, body)) in self.given.iter_mut().zip(bodies) {
-            given.velocity = pushed.velocity - body.velocity;
-            given.surface = pushed.surface - body.surface;
+        for (given, body) in self.given.iter_mut().zip(&mut self.bodies) {
+            let before = *given;
+            given.velocity = body.velocity - before.velocity;
+            given.surface = body.surface - before.surface;
+            (body.velocity, body.surface) = (before.velocity, before.surface);
         }
     }
 
@@ -160,13 +162,16 @@ where
         self.near.len()
     }
 
-    /// The candidates where the grains are now; those beyond the end of a wall are none.
+    /// The candidates that a position pass may bring together, where the grains are now; those beyond the end of a
+    /// wall are none.
     pub fn pairs(&self) -> Vec<Pair<D>> {
         let contacts = self.near.iter().zip(&self.contacts);
         let pair = |(near, contact): (&Near, &Contact<D>)| {
             let (gap, normal) = self.geometry(contact)?;
+            let (one, two) = (contact.first as usize, contact.second as usize);
+            let smaller = self.bodies[one].radius.min(self.bodies[two].radius);
             let key = near.key;
-            Some(Pair { key, normal, gap })
+            (gap < 2.0 * RECOVERY_MAX * smaller).then_some(Pair { key, normal, gap })
         };
         contacts.filter_map(pair).collect()
     }

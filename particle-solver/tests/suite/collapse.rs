@@ -261,7 +261,7 @@ fn a_column_of_balls_spreads_and_keeps_its_balances() {
 fn larger_columns_of_balls_run_out_farther() {
     println!("{HEADER}");
     let mut before = 0.0;
-    for count in [1000, 3000, 10_000] {
+    for count in [1000, 3000] {
         let (aspect, run_out) = row(count, 1.0);
         let share = run_out / known(aspect);
         assert!(share > before && share < 1.0);
@@ -274,7 +274,7 @@ fn larger_columns_of_balls_run_out_farther() {
 #[ignore = "minutes"]
 fn columns_of_balls_run_out_by_the_powers_of_columns() {
     println!("{HEADER}");
-    let table = [0.5, 1.0, 2.0, 4.0, 8.0].map(|aspect| row(3000, aspect));
+    let table = [0.5, 1.0, 2.0, 4.0, 8.0].map(|aspect| row(10_000, aspect));
     let powers: Vec<f64> = table
         .windows(2)
         .map(|pair| (pair[1].1 / pair[0].1).ln() / (pair[1].0 / pair[0].0).ln())
