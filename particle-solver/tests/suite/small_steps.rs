@@ -2,14 +2,14 @@
 
 use crate::bench_box::*;
 use particle_solver::small::choice::Solver;
-use particle_solver::{Candidate, Setup};
+use particle_solver::{Candidate, Error, Facet, Forces, Request, Setup};
 
 const G: f64 = 9.81;
 const DT: f64 = 2e-3;
 /// Radius of the disks, 3 mm ± 20 % \[m\].
 const RADIUS: f64 = 3e-3;
 
-fn setup(solver: Solver, friction: f64, walls: Vec<particle_solver::Facet<2>>) -> Setup<2> {
+fn setup(solver: Solver, friction: f64, walls: Vec<Facet<2>>) -> Setup<2> {
     Setup {
         gravity: [0.0, -G].into(),
         walls,
@@ -217,7 +217,7 @@ fn collapse(way: &Way, scale: f64, seed: u64, seconds: f64) -> Made {
     let (mut sweeps, mut overlap) = (0, 0f64);
     let cpu = cost(|| {
         for number in 1..=steps {
-            let request = particle_solver::Request {
+            let request = Request {
                 sub_steps: way.sub_steps,
                 ..choose(number, DT)
             };
@@ -337,5 +337,73 @@ fn a_step_of_ten_thousand_in_small_steps_and_converged() {
             work[0] as f64 / steps as f64,
             work[1] as f64 / steps as f64,
         );
+    }
+}
+
+/// The same engine after so many steps.
+fn after(mut engine: Engine, steps: std::ops::RangeInclusive<u64>) -> Engine {
+    for number in steps {
+        step(&mut engine, &choose(number, DT));
+    }
+    engine
+}
+
+#[test]
+fn small_steps_have_the_same_bits_after_a_checkpoint_without_a_list_and_when_repeated() {
+    let walls = box_walls(1.2, 100.0);
+    let start = engine(setup(Solver::SmallSteps, 0.3, walls), &trough(0.6, 0));
+    let early = after(start.clone(), 1..=60);
+    let whole = after(early.clone(), 61..=90);
+    let path = tempfile::tempdir().expect("a folder");
+    let file = path.path().join("grains");
+    early.save(&file).expect("a checkpoint");
+    let mut restored = start.clone();
+    restored.restore(&file).expect("its own");
+    assert_eq!(after(restored, 61..=90).accepted(), whole.accepted());
+    let mut always = start;
+    always.search_always(true);
+    assert_eq!(after(always, 1..=90).accepted(), whole.accepted());
+    let mut again = early.clone();
+    for _ in 0..2 {
+        again
+            .advance(&choose(61, DT), &Forces::default())
+            .expect("one step");
+    }
+    again.commit().expect("a candidate");
+    assert_eq!(after(again, 62..=90).accepted(), whole.accepted());
+}
+
+/// Largest overlap after a heavy disk has fallen into a box at this speed \[m/s\]; 0 sub-steps: the engine chooses.
+fn fall(speed: f64, sub_steps: u32, sub_steps_max: u32) -> Result<f64, Error> {
+    let mut disks = gravel(300, 20);
+    disks.push(
+        disk(0.07, 0.2, 3.0 * RADIUS)
+            .moving(0.0, -speed)
+            .of_mass(1000.0),
+    );
+    let setup = Setup {
+        sub_steps_max,
+        ..setup(Solver::SmallSteps, 0.3, box_walls(0.156, 100.0))
+    };
+    let mut engine = engine(setup, &disks);
+    let mut overlap = 0f64;
+    for number in 1..=60 {
+        let request = Request {
+            sub_steps,
+            ..choose(number, DT)
+        };
+        overlap = overlap.max(try_step(&mut engine, &request)?.report.penetration_max);
+    }
+    Ok(overlap)
+}
+
+#[test]
+fn a_step_with_too_much_overlap_is_made_again_and_then_an_error_with_its_numbers() {
+    for (speed, given, most, why) in [(30.0, 0, 40, "motion"), (1.5, 2, 3, "overlap by")] {
+        let overlap = fall(speed, given, 100_000).expect("enough sub-steps");
+        let error = fall(speed, given, most).expect_err("too few").to_string();
+        println!("a heavy disk at {speed} m/s: largest overlap {overlap:.1e}; {error}");
+        assert!(overlap <= 0.05);
+        assert!(error.contains(why) && error.contains("contact.sub_steps_max"));
     }
 }

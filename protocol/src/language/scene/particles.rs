@@ -23,9 +23,6 @@ pub struct ParticleScene {
     pub wall_friction: f64,
     /// Moment of inertia over m r²: 1/2 for disks, 2/5 for spheres.
     pub inertia_factor: f64,
-    /// How the built-in engine solves contacts; none: as the state of the grains suggests.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub solver: Option<ContactSolver>,
     /// Contact residual (natural map) at which a solve stops, relative to |g|Δt.
     pub tolerance: f64,
     /// Sweeps allowed; more is an error.
@@ -34,6 +31,9 @@ pub struct ParticleScene {
     pub sub_steps_max: u32,
     /// Threads the engine may use.
     pub threads: usize,
+    /// How the built-in engine solves contacts; none: as the state of the grains suggests.
+    #[serde(default)]
+    pub solver: Option<ContactSolver>,
 }
 
 /// How contacts are solved.
