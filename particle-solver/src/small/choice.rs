@@ -16,18 +16,17 @@ pub enum Solver {
 /// Fewer contacts that act are solved to the end at no cost worth saving.
 const CONTACTS: usize = 100;
 
-/// Which of them serves a step of length `dt` \[s\] from this state under these drags γ \[kg/s\], where the scene
-/// does not say.
+/// Which of them serves a step from this state, where the scene does not say; `immersed`: drag or forces of a fluid act.
 ///
 /// Small steps pay where grains press on each other for long: at least every second one that moves acts on another or
 /// on a wall. They start from impulses that hold the load; a state that has none, at the start of a run, is solved to
-/// the end first. With stiff drag, Σ γ Δt > Σ m, sweeps converge fast and small steps would cost more.
+/// the end first. In a fluid sweeps mostly are few, as drag is stiff, and beds were held against closed forms with
+/// converged contacts: there the scene has to ask for small steps.
 pub fn choose<const D: usize>(
     wished: Option<Solver>,
     grains: &Grains,
     state: &State<D>,
-    drag: Option<&[f64]>,
-    dt: f64,
+    immersed: bool,
 ) -> Solver
 where
     Dim<D>: Dimension<D>,
@@ -37,13 +36,8 @@ where
     if cold || wished == Some(Solver::Converged) {
         return Solver::Converged;
     }
-    let (mut moving, mut mass, mut drags) = (0, 0.0, 0.0);
-    for grain in (0..grains.count()).filter(|&grain| !grains.fixed[grain]) {
-        moving += 1;
-        mass += grains.mass[grain];
-        drags += drag.map_or(0.0, |drag| drag[grain]);
-    }
-    let pressed = acting >= CONTACTS && 2 * acting >= moving && drags * dt <= mass;
+    let moving = grains.fixed.iter().filter(|fixed| !**fixed).count();
+    let pressed = acting >= CONTACTS && 2 * acting >= moving && !immersed;
     match wished {
         None if !pressed => Solver::Converged,
         _ => Solver::SmallSteps,

@@ -247,7 +247,8 @@ where
             return solver;
         }
         let (wished, accepted) = (self.setup.solver, &self.accepted);
-        let solver = choose(wished, &self.grains, accepted, forces.drag, request.dt);
+        let immersed = forces.drag.is_some() || forces.force.is_some();
+        let solver = choose(wished, &self.grains, accepted, immersed);
         self.decided = Some((step, solver));
         solver
     }

@@ -367,8 +367,8 @@ fn sub_steps(scene: &Scene) -> Option<Choice> {
             "contact.solver",
         ),
         None => (
-            "one, and more where grains pass each other; small steps while they press on each other",
-            "a cloud that moves as one needs one, heaps are cheaper in small steps",
+            "one, and more where grains pass each other; dry, small steps while they press on each other",
+            "a cloud that moves as one needs one, dry heaps are cheaper in small steps",
         ),
     };
     let most = part.sub_steps_max;
