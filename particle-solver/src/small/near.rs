@@ -46,6 +46,8 @@ pub struct Near {
 /// What was found.
 #[derive(Debug)]
 pub struct Found<const D: usize> {
+    /// Velocities that the grains were thought to have \[m/s\].
+    pub velocity: Vec<Vector<D>>,
     /// The contacts, sorted by key.
     pub near: Vec<Near>,
     /// What a shift adds to the first position less the second \[m\]; number 0 is none.
@@ -97,7 +99,7 @@ impl<const D: usize> Shifts<D> {
 pub fn find<const D: usize>(
     neighbours: &mut Neighbours<D>,
     place: &Place<'_, D>,
-    velocity: &[Vector<D>],
+    velocity: Vec<Vector<D>>,
     rest: f64,
 ) -> Result<Found<D>, Error>
 where
@@ -111,10 +113,11 @@ where
         .collect();
     let margin = Margin {
         dt: rest,
-        free_velocity: velocity,
+        free_velocity: &velocity,
         push: &push,
     };
     let mut found = Found {
+        velocity: Vec::new(),
         near: Vec::new(),
         shifts: Vec::new(),
         needed: 1.0,
@@ -127,6 +130,7 @@ where
     not_above::<D>(found.near.len(), grains.count(), true)?;
     found.near = sort(found.near, grains.count(), |near| near.key);
     found.shifts = shifts.vectors;
+    found.velocity = velocity;
     Ok(found)
 }
 

@@ -110,7 +110,7 @@ where
         let mut left = count;
         loop {
             let most = left.min((count / parts).max(1));
-            let mut stretch = self.stretch(&sub_step, &found, most);
+            let mut stretch = self.stretch(&sub_step, &found);
             let (made, strays) = stretch.run(most);
             left -= made;
             self.take(&stretch);
@@ -121,7 +121,7 @@ where
             let next = left.min((count / parts).max(1));
             found = self.find(neighbours, sub_step.dt * f64::from(next))?;
             if left == 0 {
-                let end = self.stretch(&sub_step, &found, 0);
+                let end = self.stretch(&sub_step, &found);
                 self.move_apart(&end);
                 return Ok(());
             }
@@ -150,15 +150,14 @@ where
 
     fn find(&self, neighbours: &mut Neighbours<D>, time: f64) -> Result<Found<D>, Error> {
         let place = self.stage.place(&self.motion.state.position);
-        find(neighbours, &place, &self.expected(time), time)
+        find(neighbours, &place, self.expected(time), time)
     }
 
-    fn stretch<'b>(&self, loads: &Loads<'_, D>, found: &'b Found<D>, most: u32) -> Stretch<'b, D>
+    fn stretch<'b>(&self, loads: &Loads<'_, D>, found: &'b Found<D>) -> Stretch<'b, D>
     where
         'a: 'b,
     {
-        let expected = self.expected(loads.dt * f64::from(most));
-        Stretch::new(self.stage, &self.motion.state, loads, (found, expected))
+        Stretch::new(self.stage, &self.motion.state, loads, found)
     }
 
     /// How many sub-steps; an error above the limit.
@@ -202,14 +201,15 @@ where
     fn move_apart(&mut self, stretch: &Stretch<'_, D>) {
         let (grains, motion) = (self.stage.grains, &mut self.motion);
         let pairs = stretch.pairs();
-        let overlap = |gap: f64, pair: &Pair<D>| -gap / smaller_radius(grains, pair);
-        let largest = |overlaps: &mut dyn Iterator<Item = f64>| overlaps.fold(0.0, f64::max);
-        self.overlap = largest(&mut pairs.iter().map(|pair| overlap(pair.gap, pair)));
+        let largest = |gap: &dyn Fn(&Pair<D>) -> f64| {
+            let overlaps = pairs.iter();
+            let overlaps = overlaps.map(|pair| -gap(pair) / smaller_radius(grains, pair));
+            overlaps.fold(0.0, f64::max)
+        };
+        self.overlap = largest(&|pair| pair.gap);
         let mut moved = vec![Vector::zeros(); grains.count()];
         correct(grains, &pairs, &mut moved, SWEEPS);
-        let left = pairs.iter();
-        let left = left.map(|pair| overlap(gap_after(grains, pair, &moved), pair));
-        motion.report.penetration_max = largest(&mut { left });
+        motion.report.penetration_max = largest(&|pair| gap_after(grains, pair, &moved));
         for (grain, moved) in moved.iter().enumerate() {
             motion.state.position[grain] += moved;
             motion.displacement[grain] += moved;

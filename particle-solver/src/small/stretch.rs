@@ -34,18 +34,17 @@ impl<'a, const D: usize> Stretch<'a, D>
 where
     Dim<D>: Dimension<D>,
 {
-    /// From this state with sub-steps of length `loads.dt`; candidates were found at the velocities `expected`
-    /// \[m/s\].
+    /// From this state with sub-steps of length `loads.dt` and the candidates found in it.
     pub fn new(
         stage: &'a Stage<'_, D>,
         state: &State<D>,
         loads: &Loads<'_, D>,
-        (found, expected): (&'a Found<D>, Vec<Vector<D>>),
+        found: &'a Found<D>,
     ) -> Stretch<'a, D> {
         let place = (stage.grains, stage.walls);
         let (bodies, free) = bodies(place, &stage.material, state, loads);
         let contacts = contacts(&found.near, place, &bodies);
-        let starts = state.position.iter().zip(expected);
+        let starts = state.position.iter().zip(&found.velocity);
         let given = Given {
             velocity: Vector::zeros(),
             surface: Default::default(),
@@ -66,7 +65,7 @@ where
             given: vec![given; free.len()],
             sums: vec![sum; contacts.len()],
             paths: starts
-                .map(|(&from, velocity)| Path { from, velocity })
+                .map(|(&from, &velocity)| Path { from, velocity })
                 .collect(),
             bodies,
             free,

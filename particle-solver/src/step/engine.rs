@@ -36,8 +36,6 @@ where
     candidate: Option<Candidate<D>>,
     /// Label and first impulses of the pass before the candidate's.
     previous_pass: Option<(Label, Impulses<D>)>,
-    /// Step and length for which it was decided how contacts are solved.
-    decided: Option<((u64, f64), Solver)>,
     neighbours: Neighbours<D>,
     /// What was known of neighbours when the state was accepted.
     accepted_search: Arc<Found<D>>,
@@ -64,7 +62,6 @@ where
             accepted: state,
             candidate: None,
             previous_pass: None,
-            decided: None,
             neighbours: Neighbours::default(),
             accepted_search: Arc::default(),
         })
@@ -145,7 +142,6 @@ where
     fn begin_anew(&mut self) {
         self.candidate = None;
         self.previous_pass = None;
-        self.decided = None;
         self.neighbours.forget();
         self.accepted_search = Arc::default();
     }
@@ -185,28 +181,31 @@ where
     ) -> Result<&Candidate<D>, Error> {
         request.check()?;
         forces.check(self.grains.count())?;
-        let solver = self.solver(request, forces);
-        let warm = self.warm_start(request);
+        let warm = match self.solver(forces) {
+            Solver::Converged => Some(self.warm_start(request)),
+            Solver::SmallSteps => None,
+        };
         self.candidate = None;
         let mut neighbours = std::mem::take(&mut self.neighbours);
-        let computed = self.compute(request, forces, (solver, warm), &mut neighbours);
+        let computed = self.compute(request, forces, warm, &mut neighbours);
         self.neighbours = neighbours;
         Ok(self.candidate.insert(computed?))
     }
 
+    /// In small steps, or with converged contacts from `warm` impulses.
     fn compute(
         &self,
         request: &Request,
         forces: &Forces<'_, D>,
-        (solver, warm): (Solver, Impulses<D>),
+        warm: Option<Impulses<D>>,
         neighbours: &mut Neighbours<D>,
     ) -> Result<Candidate<D>, Error> {
         let stage = self.stage(request.tolerance);
-        if solver == Solver::SmallSteps {
+        let Some(warm) = warm else {
             let loads = self.loads(request.dt, forces);
             let most = self.setup.sub_steps_max;
             return small::advance(&stage, &self.accepted, neighbours, (request, &loads), most);
-        }
+        };
         let sub_steps = match request.sub_steps {
             0 => self.sub_steps(request.dt, forces, neighbours)?,
             given => given,
@@ -238,19 +237,10 @@ where
         count(neighbours, &place, &free, dt, self.setup.sub_steps_max)
     }
 
-    /// How this step is solved: decided in its first pass, the others follow.
-    fn solver(&mut self, request: &Request, forces: &Forces<'_, D>) -> Solver {
-        let step = (request.step, request.dt);
-        if let (1.., Some((known, solver))) = (request.pass, self.decided)
-            && known == step
-        {
-            return solver;
-        }
-        let (wished, accepted) = (self.setup.solver, &self.accepted);
+    /// How this step is solved; its passes agree, as they start from the same state.
+    fn solver(&self, forces: &Forces<'_, D>) -> Solver {
         let immersed = forces.drag.is_some() || forces.force.is_some();
-        let solver = choose(wished, &self.grains, accepted, immersed);
-        self.decided = Some((step, solver));
-        solver
+        choose(self.setup.solver, &self.grains, &self.accepted, immersed)
     }
 
     /// Impulses to start from: accepted ones in pass 0, afterwards those of the pass before of the

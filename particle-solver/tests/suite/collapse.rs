@@ -261,7 +261,7 @@ fn a_column_of_balls_spreads_and_keeps_its_balances() {
 fn larger_columns_of_balls_run_out_farther() {
     println!("{HEADER}");
     let mut before = 0.0;
-    for count in [1000, 3000] {
+    for count in [1000, 3000, 10_000] {
         let (aspect, run_out) = row(count, 1.0);
         let share = run_out / known(aspect);
         assert!(share > before && share < 1.0);

@@ -12,7 +12,6 @@ use particle_solver::contact::law::Friction;
 use particle_solver::contact::loads::Loads;
 use particle_solver::contact::pairs::{Margin, pairs};
 use particle_solver::search::neighbours::Neighbours;
-use particle_solver::search::place::Place;
 use particle_solver::small::near::{Found, find};
 use particle_solver::small::stretch::Stretch;
 use particle_solver::solve::schedule::Goal;
@@ -109,12 +108,8 @@ where
         let grains = self.engine.grains();
         let free = self.loads().free_motion(grains, self.engine.accepted());
         let push: Vec<f64> = grains.radius.iter().map(|radius| 0.02 * radius).collect();
-        let place = Place {
-            grains,
-            position: &self.engine.accepted().position,
-            walls: &self.walls,
-            period: self.engine.setup().period,
-        };
+        let stage = self.stage();
+        let place = stage.place(&self.engine.accepted().position);
         let margin = Margin {
             dt: DT,
             free_velocity: &free.velocity,
@@ -127,13 +122,8 @@ where
     fn near(&self, neighbours: &mut Neighbours<D>) -> Found<D> {
         let (grains, state) = (self.engine.grains(), self.engine.accepted());
         let free = self.loads().free_motion(grains, state);
-        let place = Place {
-            grains,
-            position: &state.position,
-            walls: &self.walls,
-            period: self.engine.setup().period,
-        };
-        find(neighbours, &place, &free.velocity, DT).expect("few enough")
+        let stage = self.stage();
+        find(neighbours, &stage.place(&state.position), free.velocity, DT).expect("few enough")
     }
 
     fn stage(&self) -> Stage<'_, D> {
@@ -156,9 +146,7 @@ where
             dt: DT / 20.0,
             ..self.loads()
         };
-        let state = self.engine.accepted();
-        let expected = state.velocity.clone();
-        Stretch::new(stage, state, &loads, (found, expected))
+        Stretch::new(stage, self.engine.accepted(), &loads, found)
     }
 
     fn system(&self, friction: f64) -> System<D> {
