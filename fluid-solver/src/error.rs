@@ -158,14 +158,12 @@ pub enum FluidError {
     #[error("linear solver: {0}")]
     Factorisation(String),
     /// The refined solution is not accurate enough.
-    #[error(
-        "linear solver: backward error {residual:e} after {refinements} refinements, bound {bound:e}"
-    )]
+    #[error("linear solver: backward error {residual:e} after {solves} solves, bound {bound:e}")]
     LinearResidual {
         /// Componentwise backward error.
         residual: f64,
-        /// Refinement steps done.
-        refinements: usize,
+        /// Solves with the last factor.
+        solves: usize,
         /// The bound.
         bound: f64,
     },

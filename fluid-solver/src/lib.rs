@@ -58,3 +58,4 @@ pub mod source;
 pub mod state;
 pub mod step;
 pub mod time_scheme;
+pub mod wide;

@@ -117,7 +117,7 @@ where
         constraints.boundary_flux(&mesh, 0.0)?;
         let system = System::new(mesh.node_count(), &mesh.simplices);
         Ok(Problem {
-            linear: method(&config, &mesh, &constraints, coarser, &system),
+            linear: method(&config, &mesh, &constraints, coarser, &system)?,
             creeping: Creeping::new(config.density, config.dynamic_viscosity, &mesh),
             cost: Cost::default(),
             key: None,
@@ -331,7 +331,7 @@ fn method<const D: usize, const N: usize>(
     constraints: &Constraints<D>,
     coarser: &[Coarser<D, N>],
     system: &System<N>,
-) -> Method<D, N>
+) -> Result<Method<D, N>, FluidError>
 where
     Dim<D>: Dimension<D>,
 {

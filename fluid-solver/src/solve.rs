@@ -74,7 +74,8 @@ pub struct Effort {
     nonlinear_residual: f64,
     iterations: usize,
     factorised: usize,
-    pivoted: bool,
+    fallbacks: usize,
+    solves: usize,
     krylov: Option<Krylov>,
 }
 
@@ -86,8 +87,13 @@ impl Effort {
             ("nonlinear_residual", self.nonlinear_residual),
             ("iterations", self.iterations as f64),
             ("factorised", self.factorised as f64),
-            ("pivoted", f64::from(u8::from(self.pivoted))),
         ]);
+        if self.krylov.is_none() {
+            numbers.extend(named([
+                ("linear_solves", self.solves as f64),
+                ("factor_fallbacks", self.fallbacks as f64),
+            ]));
+        }
         numbers.extend(named(self.krylov.iter().flat_map(|krylov| {
             [
                 ("krylov_iterations", krylov.iterations as f64),
@@ -99,7 +105,8 @@ impl Effort {
 
     fn note(&mut self, solution: &crate::linear::solver::Solution) {
         self.backward_error = self.backward_error.max(solution.backward_error);
-        self.pivoted |= solution.pivoted;
+        self.fallbacks += solution.fallbacks;
+        self.solves += solution.solves;
         self.iterations += 1;
         if let Some(krylov) = solution.krylov {
             let sum = self.krylov.get_or_insert_default();

@@ -10,8 +10,6 @@
 //! since those of continuity add up to 0. Where the iterations allowed are not enough, more fill is tried, then a
 //! direct factor; what is tried depends on matrix, right-hand side and starts alone.
 
-use space::{Dim, Dimension, Vector};
-
 use super::hierarchy::{Hierarchy, inverse};
 use super::krylov;
 use super::measure;
@@ -52,9 +50,8 @@ struct Iterate {
 }
 
 /// Solver of the systems on a mesh.
-pub struct Iterative<const D: usize, const N: usize> {
+pub struct Iterative<const N: usize> {
     hierarchy: Hierarchy<N>,
-    position: Vec<Vector<D>>,
     fixed: Vec<bool>,
     floating: Floating,
     /// S
@@ -77,17 +74,9 @@ struct Stage<const N: usize> {
     factorised: Option<bool>,
 }
 
-impl<const D: usize, const N: usize> Iterative<D, N>
-where
-    Dim<D>: Dimension<D>,
-{
+impl<const N: usize> Iterative<N> {
     /// Of a mesh and coarser ones; `fixed` unknowns are eliminated.
-    pub fn new(
-        hierarchy: Hierarchy<N>,
-        position: &[Vector<D>],
-        fixed: Vec<bool>,
-        floating: Floating,
-    ) -> Iterative<D, N> {
+    pub fn new(hierarchy: Hierarchy<N>, fixed: Vec<bool>, floating: Floating) -> Iterative<N> {
         let fills: &[u8] = if hierarchy.levels.is_empty() {
             &[1]
         } else {
@@ -102,7 +91,6 @@ where
             matrices: Multigrid::new(&hierarchy),
             stages: fills.iter().map(stage).collect(),
             hierarchy,
-            position: position.to_vec(),
             scale: vec![1.0; fixed.len()],
             uniform: [1.0; N],
             fixed,
@@ -221,8 +209,8 @@ where
         Solution {
             backward_error: measure::backward_error(system, &x, &self.scale, &self.fixed),
             unknowns: x,
-            refinements: 0,
-            pivoted: false,
+            solves: 0,
+            fallbacks: 0,
             krylov: Some(krylov),
         }
     }
@@ -312,7 +300,7 @@ where
         let mut start = start.to_vec();
         self.floating.level::<N>(&mut start);
         for &pinned in &self.floating.pinned {
-            start[N * pinned + D] = given[N * pinned + D];
+            start[N * pinned + N - 1] = given[N * pinned + N - 1];
         }
         for (k, slot) in start.iter_mut().enumerate() {
             if self.fixed[k] {
@@ -329,7 +317,7 @@ where
         krylov: Krylov,
         left: f64,
     ) -> Result<Solution, FluidError> {
-        let nodes = self.position.len();
+        let nodes = system.pattern.nodes();
         if nodes > DIRECT_FITS {
             return Err(FluidError::Krylov {
                 residual: left,
@@ -344,16 +332,17 @@ where
             left,
             "the iterative solver did not converge: a direct factor"
         );
-        let (position, fixed) = (&self.position, &self.fixed);
-        let make = || LinearSolver::new(&system.pattern, position, fixed.clone());
-        let direct = self.direct.get_or_insert_with(make);
+        let direct = match &mut self.direct {
+            Some(direct) => direct,
+            none => none.insert(LinearSolver::new(&system.pattern, self.fixed.clone())?),
+        };
         if !self.direct_is_current {
             direct.factorise(system);
             self.direct_is_current = true;
         }
         Ok(Solution {
             krylov: Some(krylov),
-            ..direct.solve(system, given)?
+            ..direct.solve(system, given, None)?
         })
     }
 
@@ -403,7 +392,8 @@ mod tests {
         blocks.iter_mut().for_each(|value| *value = random());
         system.right.iter_mut().for_each(|value| *value = random());
         let conditions = vec![Condition::NoSlip; 4];
-        let constraints = Constraints::new(&mesh, conditions, 1.0, &Vector::zeros()).unwrap();
+        let constraints =
+            Constraints::new(&mesh, conditions, 1.0, &space::Vector::zeros()).unwrap();
         let finest = Conditions {
             mesh: &mesh,
             constraints: &constraints,
@@ -411,15 +401,15 @@ mod tests {
         let hierarchy = Hierarchy::new(&system.pattern, &finest, &[]);
         let fixed = constraints.fixed.clone();
         let floating = constraints.floating();
-        let mut solver = Iterative::new(hierarchy, &mesh.position, fixed.clone(), floating);
+        let mut solver = Iterative::new(hierarchy, fixed.clone(), floating);
         let given = vec![0.0; fixed.len()];
         solver.factorise(&system, &[]);
         let found = solver.solve(&system, &given, None).unwrap();
         let krylov = found.krylov.unwrap();
         println!("{krylov:?}, omega {:.1e}", found.backward_error);
         assert!(krylov.fallbacks == 1 && krylov.iterations > 0);
-        let mut direct = LinearSolver::new(&system.pattern, &mesh.position, fixed);
+        let mut direct = LinearSolver::new(&system.pattern, fixed).unwrap();
         direct.factorise(&system);
-        assert!(direct.solve(&system, &given).unwrap().unknowns == found.unknowns);
+        assert!(direct.solve(&system, &given, None).unwrap().unknowns == found.unknowns);
     }
 }

@@ -68,6 +68,18 @@ pub fn backward_error<const N: usize>(
     scale: &[f64],
     fixed: &[bool],
 ) -> f64 {
+    measured(system, x, scale, fixed, &mut Vec::new())
+}
+
+/// ω of the free rows; r − K x of all comes into `left`.
+pub fn measured<const N: usize>(
+    system: &System<N>,
+    x: &[f64],
+    scale: &[f64],
+    fixed: &[bool],
+    left: &mut Vec<f64>,
+) -> f64 {
+    left.clear();
     let n = x.len();
     let largest = x
         .iter()
@@ -91,6 +103,7 @@ pub fn backward_error<const N: usize>(
                 }
             }
         }
+        left.extend_from_slice(&residual);
         for d in (0..N).filter(|&d| !fixed[N * node + d]) {
             let background = row_sum[d] * largest;
             let tiny = 1000.0 * n as f64 * f64::EPSILON * (background + right[d].abs());
@@ -100,12 +113,17 @@ pub fn backward_error<const N: usize>(
                 size[d] + background
             };
             if residual[d] != 0.0 {
-                worst = worst.max(residual[d].abs() / bound);
+                worst = larger(worst, residual[d].abs() / bound);
             }
             if residual[d].is_nan() {
-                return f64::NAN;
+                worst = f64::NAN;
             }
         }
     }
     worst
+}
+
+/// The larger one, NaN if one is.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
 }

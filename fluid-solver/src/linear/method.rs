@@ -22,7 +22,7 @@ pub enum Method<const D: usize, const N: usize> {
     /// A factor.
     Direct(Box<LinearSolver<N>>),
     /// Iteration.
-    Iterative(Box<Iterative<D, N>>),
+    Iterative(Box<Iterative<N>>),
 }
 
 impl<const D: usize, const N: usize> Method<D, N>
@@ -34,22 +34,25 @@ where
         system: &System<N>,
         finest: &Conditions<'_, D, N>,
         coarser: &[(Conditions<'_, D, N>, &[Spot<N>])],
-    ) -> Method<D, N> {
+    ) -> Result<Method<D, N>, FluidError> {
         let position = &finest.mesh.position;
         let fixed = finest.constraints.fixed.clone();
         if is_direct::<D>(position.len()) {
-            let solver = LinearSolver::new(&system.pattern, position, fixed);
-            return Method::Direct(Box::new(solver));
+            let solver = LinearSolver::new(&system.pattern, fixed)?;
+            return Ok(Method::Direct(Box::new(solver)));
         }
         let hierarchy = Hierarchy::new(&system.pattern, finest, coarser);
         let floating = finest.constraints.floating();
-        let solver = Iterative::new(hierarchy, position, fixed, floating);
-        Method::Iterative(Box::new(solver))
+        let solver = Iterative::new(hierarchy, fixed, floating);
+        Ok(Method::Iterative(Box::new(solver)))
     }
 
     /// Does it begin somewhere?
     pub fn begins(&self) -> bool {
-        matches!(self, Method::Iterative(_))
+        match self {
+            Method::Direct(solver) => solver.begins(),
+            Method::Iterative(_) => true,
+        }
     }
 
     /// Take the matrix of a system; `missing` tells k of (G1) in [`super::multigrid`] where it is wanted.
@@ -75,7 +78,9 @@ where
         starts: Option<&Starts>,
     ) -> Result<Solution, FluidError> {
         match self {
-            Method::Direct(solver) => solver.solve(system, given),
+            Method::Direct(solver) => {
+                solver.solve(system, given, starts.map(|starts| &starts.last[..]))
+            }
             Method::Iterative(solver) => solver.solve(system, given, starts),
         }
     }

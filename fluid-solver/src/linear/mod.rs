@@ -6,10 +6,11 @@
 //!
 //! The direct solver:
 //!
-//! * [`dissection`]: in which order nodes are eliminated
-//! * [`multifrontal`]: the factor on the fronts of that order
+//! * [`order`]: in which order nodes are eliminated, and in which groups
+//! * [`multifrontal`], [`plans`]: the factor on the fronts of that order
+//! * `eliminate`, `invert`, `product`, `tile`, `substitution`, `real`: its numbers, in single or double precision
 //! * [`pivoting`]: the safe factor, where that one is not accurate enough
-//! * [`solver`]: refinement, and the choice between the two
+//! * [`solver`]: refinement, and the choice between them
 //!
 //! The iterative solver, for large meshes in space:
 //!
@@ -19,19 +20,26 @@
 //! * [`krylov`], [`iterative`]: the iteration that it preconditions, and what is done where that is not enough
 
 pub mod block_rows;
-pub mod dissection;
+mod eliminate;
 pub mod hierarchy;
 pub mod ilu;
+mod invert;
 pub mod iterative;
 pub mod krylov;
 pub mod measure;
 pub mod method;
 pub mod multifrontal;
 pub mod multigrid;
+pub mod order;
 pub mod pattern;
 pub mod pivoting;
+pub mod plans;
+mod product;
+mod real;
 pub mod solver;
+mod substitution;
 pub mod system;
+mod tile;
 pub mod transfer;
 
 pub use method::Method;

@@ -1,378 +1,333 @@
-//! Multifrontal LU on the fronts of a nested dissection, N unknowns a node.
+//! Multifrontal LU on fronts of nodes, N unknowns a node.
 //!
 //! ```text
-//!   front   ⎡F11 F12⎤   pivots       F11 = Pᵀ L11 U11      partial pivoting inside the front
-//!           ⎣F21 F22⎦   boundary     L21 = F21 U11⁻¹,  U12 = L11⁻¹ P F12
+//!   front   ⎡F11 F12⎤   pivots       F11 = L11 U11         no exchanges (eliminate)
+//!           ⎣F21 F22⎦   boundary     L21 = F21 U11⁻¹,  U12 = L11⁻¹ F12
 //!                                    F22 ← F22 − L21 U12   handed to the parent
 //! ```
 //!
-//! After Duff and Reid (1983). Rows are exchanged within the pivot block only; what that costs in
-//! accuracy the iterative refinement of the caller repairs, and it falls back on a factor with
-//! exchanges anywhere where it cannot. Fronts are computed one by one in a fixed order or, subtree
+//! After Duff and Reid (1983). Rows are not exchanged; what that costs in accuracy the iterative refinement of the
+//! caller repairs. A pivot that is too small is told. Fronts are computed one by one in a fixed order or, subtree
 //! by subtree, on several threads: the numbers are the same.
 
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
-use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place,
-};
-use faer::{Accum, MatMut, MatRef, Par};
+use std::sync::{Arc, Mutex};
 
-use space::Vector;
+use super::eliminate::{Parts, Precision, Shape};
+use super::pattern;
+use super::plans::{Plan, Plans, Run};
+use super::substitution::Solve;
+use crate::wide::{Task, Wide};
 
-use super::dissection::{self, Front};
-use super::pattern::{self, Pattern};
-
-/// Subtrees with fewer fronts are not worth another thread.
-const FRONTS_SHARED: usize = 16;
+/// Subtrees and fronts with fewer operations are not worth another thread.
+const SHARED: f64 = 4e6;
 
 /// Structure and numbers of the factor.
-pub struct Multifrontal<const N: usize> {
-    plans: Vec<Plan<N>>,
-    factors: Vec<Factor>,
+pub struct Multifrontal<T, const N: usize> {
+    plans: Arc<Plans<N>>,
+    /// L11\U11 over L21 of all fronts: all rows, pivot columns.
+    left: Vec<T>,
+    /// U12 of all fronts: pivot rows, boundary columns.
+    top: Vec<T>,
+    /// Buffers of the threads.
+    workspaces: Mutex<Vec<Workspace<T>>>,
 }
 
-/// What a front is made of.
-struct Plan<const N: usize> {
-    front: Front,
-    /// Blocks of the matrix that are assembled here.
-    blocks: Vec<Block>,
-    /// For each child, the local node of each node of its boundary.
-    maps: Vec<Vec<u32>>,
-}
-
-/// An N×N block of the matrix: its number, and the local nodes of its row and column.
-#[derive(Clone, Copy)]
-struct Block {
-    source: u32,
-    row: u32,
-    column: u32,
-}
-
-/// Numbers of a front, column by column.
-#[derive(Default)]
-struct Factor {
-    /// F11 over F21, then L11\U11 over L21: all rows, pivot columns.
-    left: Vec<f64>,
-    /// U12: pivot rows, boundary columns.
-    top: Vec<f64>,
+/// Numbers of a front that is being computed, column by column.
+struct Numbers<'a, T> {
+    left: &'a mut [T],
+    top: &'a mut [T],
     /// F22, until the parent takes it.
-    rest: Vec<f64>,
-    /// Row of F11 that comes to each place.
-    exchange: Vec<u32>,
+    rest: Vec<T>,
+    /// Were its pivots large enough?
+    trusted: bool,
 }
 
-impl<const N: usize> Multifrontal<N> {
-    /// Analyse a pattern on nodes with these positions.
-    pub fn new<const D: usize>(pattern: &Pattern<N>, position: &[Vector<D>]) -> Self {
-        let fronts = dissection::fronts(pattern, position);
-        let blocks = share_blocks(pattern, &fronts);
-        let mut local = vec![u32::MAX; position.len()];
-        let mut plans: Vec<Plan<N>> = Vec::with_capacity(fronts.len());
-        for (front, mut blocks) in fronts.into_iter().zip(blocks) {
-            for (k, &node) in front.pivots.iter().chain(&front.boundary).enumerate() {
-                local[node] = k as u32;
-            }
-            for block in &mut blocks {
-                block.row = local[block.row as usize];
-                block.column = local[block.column as usize];
-            }
-            let map = |&child: &usize| {
-                let boundary: &Vec<usize> = &plans[child].front.boundary;
-                boundary.iter().map(|&node| local[node]).collect()
-            };
-            let maps = front.children.iter().map(map).collect();
-            plans.push(Plan {
-                front,
-                blocks,
-                maps,
-            });
+/// Buffers that outlive a front.
+struct Workspace<T> {
+    spare: Vec<Vec<T>>,
+    room: Vec<T>,
+}
+
+impl<T: Precision, const N: usize> Multifrontal<T, N> {
+    /// On this structure.
+    pub fn new(plans: Arc<Plans<N>>) -> Self {
+        let shapes = || plans.fronts.iter().map(|plan| &plan.shape);
+        let left = shapes().map(Shape::left_length).sum();
+        let top = shapes().map(Shape::top_length).sum();
+        Multifrontal {
+            left: vec![T::default(); left],
+            top: vec![T::default(); top],
+            workspaces: Mutex::default(),
+            plans,
         }
-        let factors = plans.iter().map(|_| Factor::default()).collect();
-        Multifrontal { plans, factors }
     }
 
-    /// Factorise the matrix with these blocks, on the threads of the present pool.
-    pub fn factorise(&mut self, values: &[pattern::Block<N>]) {
-        let shared = rayon::current_num_threads() > 1;
-        factor_range(
-            &self.plans,
-            &mut self.factors,
-            0,
+    /// Factorise the matrix with these blocks, on the threads of the present pool; were all pivots large enough?
+    pub fn factorise(&mut self, values: &[pattern::Block<N>]) -> bool {
+        let (mut left, mut top) = (&mut self.left[..], &mut self.top[..]);
+        let mut numbers: Vec<Numbers<'_, T>> = Vec::with_capacity(self.plans.fronts.len());
+        for Plan { shape, .. } in &self.plans.fronts {
+            let (own_left, later_left) = left.split_at_mut(shape.left_length());
+            let (own_top, later_top) = top.split_at_mut(shape.top_length());
+            (left, top) = (later_left, later_top);
+            numbers.push(Numbers {
+                left: own_left,
+                top: own_top,
+                rest: Vec::new(),
+                trusted: false,
+            });
+        }
+        let factorisation = Factorisation {
+            plans: &self.plans.fronts,
             values,
-            shared,
-            &mut Workspace::default(),
-        );
+            workspaces: &self.workspaces,
+            wide: Wide::here(),
+            shared: rayon::current_num_threads() > 1,
+        };
+        for &root in &self.plans.roots {
+            let first = self.plans.fronts[root].front.first;
+            factorisation.subtree(&mut numbers[first..=root], first);
+        }
+        numbers.iter().all(|numbers| numbers.trusted)
     }
 
     /// x ← (LU)⁻¹ x
     pub fn solve(&self, x: &mut [f64]) {
-        let mut local = Vec::new();
-        for (plan, factor) in self.plans.iter().zip(&self.factors) {
-            plan.forward(factor, x, &mut local);
+        let mut rounded: Vec<T> = x.iter().map(|value| T::of(*value).flushed()).collect();
+        Wide::here().run(Solve {
+            plans: &self.plans,
+            left: &self.left,
+            top: &self.top,
+            x: &mut rounded,
+        });
+        for (x, value) in x.iter_mut().zip(rounded) {
+            *x = value.to_f64();
         }
-        for (plan, factor) in self.plans.iter().zip(&self.factors).rev() {
-            plan.backward(factor, x, &mut local);
-        }
-    }
-
-    /// Entries of the factor.
-    pub fn entries(&self) -> usize {
-        self.factors
-            .iter()
-            .map(|factor| factor.left.len() + factor.top.len())
-            .sum()
     }
 }
 
-/// Blocks by the front that eliminates the earlier of their two nodes; nodes are still global.
-fn share_blocks<const N: usize>(pattern: &Pattern<N>, fronts: &[Front]) -> Vec<Vec<Block>> {
-    let rank = dissection::ranks(fronts);
-    let mut of_node = vec![0; rank.len()];
-    for (k, front) in fronts.iter().enumerate() {
-        front.pivots.iter().for_each(|&node| of_node[node] = k);
-    }
-    let mut blocks = vec![Vec::new(); fronts.len()];
-    for row in 0..rank.len() {
-        for (k, &column) in pattern.neighbours(row).iter().enumerate() {
-            let earlier = if rank[row] < rank[column] {
-                row
-            } else {
-                column
-            };
-            blocks[of_node[earlier]].push(Block {
-                source: (pattern.start[row] + k) as u32,
-                row: row as u32,
-                column: column as u32,
-            });
-        }
-    }
-    blocks
-}
-
-/// Buffers that outlive a front.
-#[derive(Default)]
-struct Workspace {
-    spare: Vec<Vec<f64>>,
-    column: Vec<f64>,
-}
-
-/// Factorise the fronts of a range that ends a subtree; `base` is the number of the first.
-fn factor_range<const N: usize>(
-    plans: &[Plan<N>],
-    factors: &mut [Factor],
-    base: usize,
-    values: &[pattern::Block<N>],
+/// What fronts are computed from.
+struct Factorisation<'a, T, const N: usize> {
+    plans: &'a [Plan<N>],
+    values: &'a [pattern::Block<N>],
+    workspaces: &'a Mutex<Vec<Workspace<T>>>,
+    wide: Wide,
     shared: bool,
-    workspace: &mut Workspace,
-) {
-    let root = plans.len() - 1;
-    let children = &plans[root].front.children;
-    if shared && plans.len() > FRONTS_SHARED && children.len() == 2 {
-        let split = children[0] + 1 - base;
-        let (low_plans, high_plans) = plans[..root].split_at(split);
-        let (low, high) = factors[..root].split_at_mut(split);
-        rayon::join(
-            || factor_range(low_plans, low, base, values, true, workspace),
-            || {
-                factor_range(
-                    high_plans,
-                    high,
-                    base + split,
-                    values,
-                    true,
-                    &mut Workspace::default(),
-                )
-            },
-        );
-        factor_front(
-            &plans[root],
-            factors,
+}
+
+impl<T: Precision, const N: usize> Factorisation<'_, T, N> {
+    /// Factorise a subtree; `base` is the number of its first front.
+    fn subtree(&self, numbers: &mut [Numbers<'_, T>], base: usize) {
+        let root = base + numbers.len() - 1;
+        if !self.shared || self.plans[root].operations < SHARED {
+            let mut workspace = self.workspace();
+            for k in 0..numbers.len() {
+                self.front(&mut numbers[..=k], base, &mut workspace);
+            }
+            return self.give_back(workspace);
+        }
+        self.children(
+            &mut numbers[..root - base],
             base,
-            values,
-            &mut Workspace::default(),
+            &self.plans[root].front.children,
         );
-        return;
-    }
-    for k in 0..plans.len() {
-        factor_front(&plans[k], &mut factors[..=k], base, values, workspace);
-    }
-}
-
-/// Assemble and eliminate the last front of `factors`.
-fn factor_front<const N: usize>(
-    plan: &Plan<N>,
-    factors: &mut [Factor],
-    base: usize,
-    values: &[pattern::Block<N>],
-    workspace: &mut Workspace,
-) {
-    let (done, last) = factors.split_at_mut(factors.len() - 1);
-    let factor = &mut last[0];
-    let (p, b) = plan.sizes();
-    let clear = |buffer: &mut Vec<f64>, length: usize| {
-        buffer.clear();
-        buffer.resize(length, 0.0);
-    };
-    factor.rest = workspace.spare.pop().unwrap_or_default();
-    clear(&mut factor.left, (p + b) * p);
-    clear(&mut factor.top, p * b);
-    clear(&mut factor.rest, b * b);
-    plan.assemble(factor, values);
-    for (&child, map) in plan.front.children.iter().zip(&plan.maps) {
-        let rest = std::mem::take(&mut done[child - base].rest);
-        plan.add_child(factor, map, &rest);
-        workspace.spare.push(rest);
-    }
-    eliminate(factor, p, b, &mut workspace.column);
-}
-
-/// Factorise the pivot block and update the rest.
-fn eliminate(factor: &mut Factor, p: usize, b: usize, column: &mut Vec<f64>) {
-    let mut memory = MemBuffer::new(StackReq::or(
-        lu_in_place_scratch::<u32, f64>(p, p, Par::Seq, Default::default()),
-        StackReq::empty(),
-    ));
-    let left = MatMut::from_column_major_slice_mut(&mut factor.left, p + b, p);
-    let (mut pivot, below) = left.split_at_row_mut(p);
-    let mut inverse = vec![0; p];
-    factor.exchange.resize(p, 0);
-    lu_in_place(
-        pivot.as_mut(),
-        &mut factor.exchange,
-        &mut inverse,
-        Par::Seq,
-        MemStack::new(&mut memory),
-        Default::default(),
-    );
-    if b == 0 {
-        return;
-    }
-    let pivot = pivot.as_ref();
-    for values in factor.top.chunks_exact_mut(p) {
-        column.clear();
-        column.extend(factor.exchange.iter().map(|&row| values[row as usize]));
-        values.copy_from_slice(column);
-    }
-    let mut below = below;
-    let mut top = MatMut::from_column_major_slice_mut(&mut factor.top, p, b);
-    solve_unit_lower_triangular_in_place(pivot, top.as_mut(), Par::Seq);
-    solve_lower_triangular_in_place(pivot.transpose(), below.as_mut().transpose_mut(), Par::Seq);
-    let rest = MatMut::from_column_major_slice_mut(&mut factor.rest, b, b);
-    let (below, top): (MatRef<'_, f64>, MatRef<'_, f64>) = (below.as_ref(), top.as_ref());
-    matmul(rest, Accum::Add, below, top, -1.0, Par::Seq);
-}
-
-impl<const N: usize> Plan<N> {
-    /// Unknowns eliminated here and left to the boundary.
-    fn sizes(&self) -> (usize, usize) {
-        (N * self.front.pivots.len(), N * self.front.boundary.len())
+        let mut workspace = self.workspace();
+        self.front(numbers, base, &mut workspace);
+        self.give_back(workspace);
     }
 
-    /// Add the blocks of the matrix.
-    fn assemble(&self, factor: &mut Factor, values: &[pattern::Block<N>]) {
-        let (p, b) = self.sizes();
-        for block in &self.blocks {
-            let row = N * block.row as usize;
-            for (f, values) in values[block.source as usize].iter().enumerate() {
-                let column = N * block.column as usize + f;
-                let target = target_column(factor, (p, b), column, row);
-                target[..N].copy_from_slice(values);
+    /// Factorise the subtrees of some children, which lie one after the other from front `base` on.
+    fn children(&self, numbers: &mut [Numbers<'_, T>], base: usize, children: &[usize]) {
+        match children {
+            [] => {}
+            [_] => self.subtree(numbers, base),
+            _ => {
+                let (low, high) = children.split_at(self.half(children));
+                let split = low.last().map_or(0, |&last| last + 1 - base);
+                let (first, second) = numbers.split_at_mut(split);
+                rayon::join(
+                    || self.children(first, base, low),
+                    || self.children(second, base + split, high),
+                );
             }
         }
     }
 
-    /// Add what a child left over.
-    fn add_child(&self, factor: &mut Factor, map: &[u32], rest: &[f64]) {
-        let (p, b) = self.sizes();
-        if map.is_empty() {
-            return;
+    /// Where children are cut into halves of about as many operations, none of which is empty.
+    fn half(&self, children: &[usize]) -> usize {
+        let operations = |&child: &usize| self.plans[child].operations;
+        let all: f64 = children.iter().map(operations).sum();
+        let mut before = 0.0;
+        for (k, child) in children.iter().enumerate() {
+            let own = operations(child);
+            if before + own / 2.0 > all / 2.0 {
+                return k.clamp(1, children.len() - 1);
+            }
+            before += own;
         }
-        for (index, values) in rest.chunks_exact(N * map.len()).enumerate() {
-            let column = N * map[index / N] as usize + index % N;
-            // Local nodes of a child's boundary ascend: first pivots of this front, then its rest.
-            let split = map.partition_point(|&node| N * (node as usize) < p);
-            for (part, nodes) in [(0, &map[..split]), (split, &map[split..])] {
-                let Some(&first) = nodes.first() else {
-                    continue;
-                };
-                let begin = N * first as usize;
-                let target = target_column(factor, (p, b), column, begin);
-                for (k, &node) in nodes.iter().enumerate() {
-                    let at = N * node as usize - begin;
-                    let from = N * (part + k);
-                    for d in 0..N {
-                        target[at + d] += values[from + d];
+        children.len() - 1
+    }
+
+    /// Buffers that nobody uses.
+    fn workspace(&self) -> Workspace<T> {
+        let mut free = self.workspaces.lock().unwrap_or_else(|e| e.into_inner());
+        free.pop().unwrap_or_else(|| Workspace {
+            spare: Vec::new(),
+            room: Vec::new(),
+        })
+    }
+
+    fn give_back(&self, workspace: Workspace<T>) {
+        let mut free = self.workspaces.lock().unwrap_or_else(|e| e.into_inner());
+        free.push(workspace);
+    }
+
+    /// Assemble and eliminate the last front of `numbers`; `base` is the number of the first.
+    fn front(&self, numbers: &mut [Numbers<'_, T>], base: usize, workspace: &mut Workspace<T>) {
+        let k = base + numbers.len() - 1;
+        let plan = &self.plans[k];
+        let (done, last) = numbers.split_at_mut(numbers.len() - 1);
+        let own = &mut last[0];
+        own.rest = workspace.spare.pop().unwrap_or_default();
+        self.wide.run(Assembly {
+            plan,
+            own: &mut *own,
+            values: self.values,
+        });
+        let children = || plan.front.children.iter().zip(&plan.runs);
+        let add = |own: &mut Numbers<'_, T>, is_rest| {
+            for (&child, runs) in children() {
+                let rest = &done[child - base].rest;
+                self.wide.run(Child {
+                    own: &mut *own,
+                    parent: plan.shape,
+                    child: self.plans[child].shape,
+                    runs,
+                    rest,
+                    is_rest,
+                });
+            }
+        };
+        add(own, false);
+        let parts = Parts {
+            shape: plan.shape,
+            left: own.left,
+            top: own.top,
+            rest: &mut own.rest,
+            room: &mut workspace.room,
+            shared: self.shared,
+        };
+        own.trusted = T::eliminate(self.wide, parts);
+        add(own, true);
+        for &child in &plan.front.children {
+            workspace
+                .spare
+                .push(std::mem::take(&mut done[child - base].rest));
+        }
+        if plan.front.boundary.is_empty() {
+            workspace.spare.push(std::mem::take(&mut own.rest));
+        }
+    }
+}
+
+/// The blocks of the matrix come to a front.
+struct Assembly<'a, 'b, T, const N: usize> {
+    plan: &'a Plan<N>,
+    own: &'a mut Numbers<'b, T>,
+    values: &'a [pattern::Block<N>],
+}
+
+impl<T: Precision, const N: usize> Task for Assembly<'_, '_, T, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Assembly { plan, own, values } = self;
+        own.left.fill(T::default());
+        own.top.fill(T::default());
+        if own.rest.len() < plan.shape.rest_length() {
+            own.rest.resize(plan.shape.rest_length(), T::default());
+        }
+        for source in &plan.blocks {
+            let (row, column) = (N * source.row as usize, N * source.column as usize);
+            let values = &values[source.number as usize];
+            let (target, stride) = own.column(plan.shape, column, row);
+            for f in 0..N {
+                let target = &mut target[f * stride..][..N];
+                for d in 0..N {
+                    target[d] = T::of(values[f][d]).flushed();
+                }
+            }
+        }
+    }
+}
+
+/// What a child left over is added, before pivots are eliminated or, to the rest, after that.
+struct Child<'a, 'b, T> {
+    own: &'a mut Numbers<'b, T>,
+    parent: Shape,
+    child: Shape,
+    runs: &'a [Run],
+    rest: &'a [T],
+    /// What comes to the rest of the parent, or everything else.
+    is_rest: bool,
+}
+
+impl<T: Precision> Task for Child<'_, '_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Child {
+            own,
+            parent,
+            child,
+            runs,
+            rest,
+            is_rest,
+        } = self;
+        let mut first = 0;
+        while first < runs.len() && (runs[first].to as usize) < parent.pivots {
+            first += 1;
+        }
+        let begin = if is_rest { first } else { 0 };
+        for k in begin..runs.len() {
+            let columns = runs[k];
+            // runs ascend, so those before `first` come to pivots
+            let end = if is_rest || k < first {
+                runs.len()
+            } else {
+                first
+            };
+            for rows in &runs[begin..end] {
+                let (column, row) = (columns.to as usize, rows.to as usize);
+                let (target, stride) = own.column(parent, column, row);
+                let from = columns.from as usize * child.rest + rows.from as usize;
+                let (rest, length) = (&rest[from..], rows.length as usize);
+                for c in 0..columns.length as usize {
+                    let values = &rest[c * child.rest..][..length];
+                    let target = &mut target[c * stride..][..length];
+                    for k in 0..length {
+                        target[k] += values[k];
                     }
                 }
             }
         }
     }
-
-    /// L y = P x on this front.
-    fn forward(&self, factor: &Factor, x: &mut [f64], local: &mut Vec<f64>) {
-        let (p, b) = self.sizes();
-        local.clear();
-        local.extend(factor.exchange.iter().map(|&row| {
-            let row = row as usize;
-            x[N * self.front.pivots[row / N] + row % N]
-        }));
-        local.resize(p + b, 0.0);
-        for (k, column) in factor.left.chunks_exact(p + b).enumerate() {
-            let value = local[k];
-            for (target, entry) in local[k + 1..].iter_mut().zip(&column[k + 1..]) {
-                *target -= entry * value;
-            }
-        }
-        let nodes = self.front.pivots.iter().zip(local[..p].chunks_exact(N));
-        nodes.for_each(|(&node, values)| x[N * node..N * node + N].copy_from_slice(values));
-        for (&node, values) in self.front.boundary.iter().zip(local[p..].chunks_exact(N)) {
-            for (d, value) in values.iter().enumerate() {
-                x[N * node + d] += value;
-            }
-        }
-    }
-
-    /// U x = y on this front.
-    fn backward(&self, factor: &Factor, x: &mut [f64], local: &mut Vec<f64>) {
-        let (p, b) = self.sizes();
-        local.clear();
-        for &node in &self.front.pivots {
-            local.extend_from_slice(&x[N * node..N * node + N]);
-        }
-        for (k, column) in factor.top.chunks_exact(p).enumerate() {
-            let value = x[N * self.front.boundary[k / N] + k % N];
-            for (target, entry) in local.iter_mut().zip(column) {
-                *target -= entry * value;
-            }
-        }
-        for (k, column) in factor.left.chunks_exact(p + b).enumerate().rev() {
-            local[k] /= column[k];
-            let value = local[k];
-            for (target, entry) in local[..k].iter_mut().zip(column) {
-                *target -= entry * value;
-            }
-        }
-        for (&node, values) in self.front.pivots.iter().zip(local.chunks_exact(N)) {
-            x[N * node..N * node + N].copy_from_slice(values);
-        }
-    }
 }
 
-/// Column `column` of a front from row `row` on, in the part that holds both.
-#[inline]
-fn target_column(
-    factor: &mut Factor,
-    (p, b): (usize, usize),
-    column: usize,
-    row: usize,
-) -> &mut [f64] {
-    if column < p {
-        &mut factor.left[column * (p + b) + row..(column + 1) * (p + b)]
-    } else if row < p {
-        &mut factor.top[(column - p) * p + row..(column - p + 1) * p]
-    } else {
-        &mut factor.rest[(column - p) * b + row - p..(column - p + 1) * b]
+impl<T> Numbers<'_, T> {
+    /// A front from row `row` of column `column` on, in the part that holds both, and how far its columns are apart.
+    #[inline(always)]
+    fn column(&mut self, shape: Shape, column: usize, row: usize) -> (&mut [T], usize) {
+        let p = shape.pivots;
+        if column < p {
+            (&mut self.left[column * shape.left + row..], shape.left)
+        } else if row < p {
+            (&mut self.top[(column - p) * shape.top + row..], shape.top)
+        } else {
+            let from = (column - p) * shape.rest + row - p;
+            (&mut self.rest[from..], shape.rest)
+        }
     }
 }

@@ -19,6 +19,7 @@ mod mean_flow;
 mod open;
 mod porous;
 mod projection;
+mod range;
 mod refusals;
 mod serve;
 mod slip_edges;

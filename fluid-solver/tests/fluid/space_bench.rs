@@ -42,7 +42,7 @@ pub struct Bench {
     mesh: Mesh<3, 4>,
     constraints: Constraints<3>,
     system: System<4>,
-    iterative: Iterative<3, 4>,
+    iterative: Iterative<4>,
     centre: Vector<3>,
     pub levels: Vec<usize>,
 }
@@ -83,7 +83,7 @@ impl Bench {
         };
         let hierarchy = Hierarchy::new(&system.pattern, &finest, &below);
         let (fixed, floating) = (constraints.fixed.clone(), constraints.floating());
-        let iterative = Iterative::new(hierarchy, &mesh.position, fixed, floating);
+        let iterative = Iterative::new(hierarchy, fixed, floating);
         let levels = coarser.iter().map(|level| level.mesh.node_count());
         Bench {
             levels: std::iter::once(nodes).chain(levels).collect(),
@@ -275,9 +275,12 @@ impl Bench {
     /// The same by a direct factor of the system assembled last.
     pub fn directly(&self) -> Vec<f64> {
         let fixed = self.constraints.fixed.clone();
-        let mut direct = LinearSolver::new(&self.system.pattern, &self.mesh.position, fixed);
+        let mut direct = LinearSolver::new(&self.system.pattern, fixed).unwrap();
         direct.factorise(&self.system);
-        direct.solve(&self.system, &self.given()).unwrap().unknowns
+        direct
+            .solve(&self.system, &self.given(), None)
+            .unwrap()
+            .unknowns
     }
 
     /// Write the system assembled last, fixed unknowns as equations of their own, and its solution: numbers of unknowns

@@ -11,10 +11,10 @@ use super::lanes::LANES;
 use super::porous::Porous;
 use super::records::Records;
 use super::sums::Sums;
-use super::wide::{Task, Wide};
 use crate::equations::coefficients::{Coefficients, ViscousForm};
 use crate::equations::element::CARRIERS;
 use crate::mesh::simplices::Mesh;
+use crate::wide::{Task, Wide};
 
 /// The equations of an assembly, ready for its groups.
 pub struct Kernel<'a, const D: usize, const N: usize> {

@@ -36,7 +36,6 @@ mod lanes;
 mod porous;
 mod records;
 mod sums;
-mod wide;
 
 pub use self::group::{GroupMatrix, GroupRight};
 pub use self::groups::Kernel;
