@@ -18,13 +18,11 @@
 use super::invert::Invert;
 use super::product::Product;
 use super::real::{PANEL, Panel, Real};
-use super::tile::{Block, BlockMut, kind, multiply};
+use super::tile::{Block, BlockMut, SHARED, kind, multiply};
 use crate::wide::{Task, Wide};
 
 /// Rows are padded to a multiple of this.
 pub const PAD: usize = 8;
-/// Products of a panel that are worth another thread.
-pub const SHARED: usize = 1 << 20;
 
 /// Sizes of a front: pivots, boundary, and how far columns are apart.
 #[derive(Debug, Clone, Copy)]

@@ -3,9 +3,8 @@
 //! Where there are many columns, B is copied to columns that are a known number apart, and each tile of A to columns that
 //! follow one another: the places of all factors are then found from two.
 
-use super::eliminate::SHARED;
 use super::real::Real;
-use super::tile::{Block, BlockMut, DEPTH, kind, multiply, multiply_copied};
+use super::tile::{Block, BlockMut, DEPTH, SHARED, kind, multiply, multiply_copied};
 use crate::wide::{Task, Wide};
 
 /// Over so many columns, copies for a product pay.

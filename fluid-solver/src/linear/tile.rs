@@ -6,6 +6,9 @@
 
 use super::real::{PANEL, Real};
 
+/// So many products of two numbers are worth another thread.
+pub const SHARED: usize = 1 << 20;
+
 /// A block by columns, read.
 #[derive(Clone, Copy)]
 pub struct Block<'a, T> {

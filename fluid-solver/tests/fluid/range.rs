@@ -1,15 +1,21 @@
 //! Systems of any stiffness are solved to the last digits.
 
+use std::path::Path;
+use std::sync::Arc;
+
 use fluid_solver::boundary::{Condition, Constraints};
+use fluid_solver::cost::cpu_seconds;
 use fluid_solver::equations::assembly::Assembly;
 use fluid_solver::equations::{Carrier, Coefficients, ViscousForm};
-use fluid_solver::linear::{LinearSolver, Solution, System};
+use fluid_solver::linear::multifrontal::Multifrontal;
+use fluid_solver::linear::plans::Plans;
+use fluid_solver::linear::{LinearSolver, Solution, System, measure};
 use fluid_solver::mesh::{Mesh, Rectangle};
 use fluid_solver::solid::{Solid, SolidFields};
 use fluid_solver::state::Flow;
 use space::Vector;
 
-use crate::support::Random;
+use crate::support::{Random, write_system};
 
 /// How stiff a system is, as multiples of what its scene has.
 #[derive(Clone, Copy)]
@@ -34,8 +40,8 @@ const DT: f64 = 5e-3;
 
 impl Scene {
     /// A cloud of a fifth of grains at random in water that is a hundred times as viscous, as a run has them.
-    fn cloud() -> Scene {
-        let mesh = Rectangle::new([-0.037, 0.0], [0.037, 0.222], [40, 120])
+    fn cloud(cells: [usize; 2]) -> Scene {
+        let mesh = Rectangle::new([-0.037, 0.0], [0.037, 0.222], cells)
             .mesh()
             .unwrap();
         let mut random = Random(5);
@@ -80,8 +86,8 @@ impl Scene {
         }
     }
 
-    /// A solution of the system of a cell, from fluid at rest.
-    fn solve(&self, system: &mut System<3>, linear: &mut LinearSolver<3>, cell: Cell) -> Solution {
+    /// The system of a cell.
+    fn fill(&self, system: &mut System<3>, cell: Cell) {
         let porosity: Vec<f64> = self.solid_fraction.iter().map(|s| 1.0 - s).collect();
         let most = self
             .solid_fraction
@@ -133,6 +139,11 @@ impl Scene {
             flux: &vec![0.0; self.mesh.node_count()],
         };
         assembly.fill(system, true);
+    }
+
+    /// A solution of the system of a cell, from fluid at rest.
+    fn solve(&self, system: &mut System<3>, linear: &mut LinearSolver<3>, cell: Cell) -> Solution {
+        self.fill(system, cell);
         linear.factorise(system);
         linear
             .solve(system, &vec![0.0; system.right.len()], None)
@@ -151,7 +162,7 @@ impl Scene {
 #[test]
 fn systems_of_any_stiffness_are_solved_to_the_last_digits() {
     let (mut cells, mut worst, mut double) = (0, 0.0_f64, 0);
-    for (name, scene) in [("cloud", Scene::cloud()), ("bed", Scene::bed())] {
+    for (name, scene) in [("cloud", Scene::cloud([40, 120])), ("bed", Scene::bed())] {
         let nodes = scene.mesh.node_count();
         println!("{name}, {nodes} nodes: backward error / solves, d: in double precision");
         let mut system = System::new(nodes, &scene.mesh.simplices);
@@ -182,4 +193,85 @@ fn systems_of_any_stiffness_are_solved_to_the_last_digits() {
     }
     println!("{cells} cells, largest backward error {worst:.1e}, {double} in double precision");
     assert!(cells == 180 && worst < 1e-10);
+}
+
+/// Median of what some calls cost [ms], CPU time.
+fn cost(mut call: impl FnMut()) -> f64 {
+    let mut times: Vec<f64> = (0..7)
+        .map(|_| {
+            let begin = cpu_seconds();
+            call();
+            1e3 * (cpu_seconds() - begin)
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times[3]
+}
+
+/// Write systems of the cloud for `studies/direct`, and say what our own factors cost on one thread.
+#[test]
+#[ignore = "times, half a minute"]
+fn plane_systems_for_other_solvers() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1);
+    let one = one.build().unwrap();
+    for cells in [[40, 120], [56, 168], [80, 240], [115, 345]] {
+        let scene = Scene::cloud(cells);
+        let nodes = scene.mesh.node_count();
+        let mut system = System::new(nodes, &scene.mesh.simplices);
+        let fixed = scene.fixed();
+        let mut linear = LinearSolver::new(&system.pattern, fixed.clone()).unwrap();
+        let cell = Cell {
+            dt: 1.0,
+            viscosity: 1.0,
+            speed: 1.0,
+            drag: 1.0,
+        };
+        // as it was a step before
+        let earlier = Cell { speed: 0.9, ..cell };
+        let last = scene.solve(&mut system, &mut linear, earlier).unknowns;
+        let found = scene.solve(&mut system, &mut linear, cell);
+        let given = vec![0.0; system.right.len()];
+        let file = folder.join(format!("direct-{nodes}.bin"));
+        write_system(&system, &fixed, &given, &found.unknowns, &file);
+        let [single, solve, double, substitution] = one.install(|| {
+            let single = cost(|| linear.factorise(&system));
+            let mut solves = 0;
+            let solve = cost(|| {
+                let found = linear.solve(&system, &given, Some(&last)).unwrap();
+                solves = found.solves;
+            });
+            println!("{nodes} nodes: {solves} solves from the last solution");
+            let scaled = scaled(&system, &fixed);
+            let plans = Plans::new(&system.pattern).unwrap();
+            let mut double = Multifrontal::<f64, 3>::new(Arc::new(plans));
+            let factor = cost(|| {
+                double.factorise(&scaled);
+            });
+            let mut x = system.right.clone();
+            [single, solve, factor, cost(|| double.solve(&mut x))]
+        });
+        println!(
+            "own, single      {nodes:7} nodes: factor {single:7.1} ms, solve {solve:6.1} ms with refinement"
+        );
+        println!(
+            "own, double      {nodes:7} nodes: factor {double:7.1} ms, solve {substitution:6.1} ms"
+        );
+    }
+}
+
+/// S K S with the identity where unknowns are fixed.
+fn scaled(system: &System<3>, fixed: &[bool]) -> Vec<[[f64; 3]; 3]> {
+    let scale = measure::nodal_scale(system);
+    let mut scaled = system.matrix.clone();
+    let mut slots = scaled.as_flattened_mut().as_flattened_mut().iter_mut();
+    system
+        .pattern
+        .for_each(&system.matrix, |row, column, value| {
+            *slots.next().unwrap() = match fixed[row] || fixed[column] {
+                true => f64::from(u8::from(row == column)),
+                false => value * scale[row] * scale[column],
+            };
+        });
+    scaled
 }

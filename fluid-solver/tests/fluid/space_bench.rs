@@ -14,7 +14,7 @@ use fluid_solver::solid::{Solid, SolidFields};
 use fluid_solver::state::Flow;
 use space::{Vector, hypot};
 
-use crate::support::{Random, turned};
+use crate::support::{Random, turned, write_system};
 
 const SIMPLICES_MAX: usize = 4_000_000;
 /// Radius of the cloud, viscosity and force of its weight are 1: ρ is the Galileo number.
@@ -283,33 +283,10 @@ impl Bench {
             .unknowns
     }
 
-    /// Write the system assembled last, fixed unknowns as equations of their own, and its solution: numbers of unknowns
-    /// and of entries, rows, columns (from 1), entries, right-hand side, solution, in little-endian.
+    /// Write the system assembled last, and its solution.
     pub fn write(&self, solution: &Solution, file: &Path) {
         let (fixed, given) = (&self.constraints.fixed, self.given());
-        let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
-        let pattern = &self.system.pattern;
-        pattern.for_each(&self.system.matrix, |row, column, value| {
-            let value = match fixed[row] {
-                true => f64::from(u8::from(row == column)),
-                false => value,
-            };
-            rows.push(row as i32 + 1);
-            columns.push(column as i32 + 1);
-            values.push(value);
-        });
-        let right = self.system.right.iter().enumerate();
-        let right = right.map(|(k, &value)| if fixed[k] { given[k] } else { value });
-        let mut bytes = Vec::new();
-        for count in [solution.unknowns.len(), values.len()] {
-            bytes.extend((count as i64).to_le_bytes());
-        }
-        let numbers = rows.iter().chain(&columns);
-        bytes.extend(numbers.flat_map(|number| number.to_le_bytes()));
-        let values = values.into_iter().chain(right);
-        let values = values.chain(solution.unknowns.iter().copied());
-        bytes.extend(values.flat_map(f64::to_le_bytes));
-        std::fs::write(file, bytes).unwrap();
+        write_system(&self.system, fixed, &given, &solution.unknowns, file);
     }
 
     /// Memory of the preconditioner \[bytes a node\].

@@ -1,5 +1,8 @@
 //! Errors, random numbers, grains and tables that several tests share.
 
+use std::path::Path;
+
+use fluid_solver::linear::System;
 use fluid_solver::mesh::Mesh;
 use space::{Simplex, Vector, dot};
 
@@ -96,4 +99,38 @@ pub fn locate(mesh: &Mesh<2, 3>, x: Vector<2>) -> Option<(usize, [f64; 3])> {
         });
         shape.iter().all(|&n| n >= -1e-9).then_some((t, shape))
     })
+}
+
+/// Write a system, fixed unknowns as equations of their own, and its solution: numbers of unknowns and of entries,
+/// rows, columns (from 1), entries, right-hand side, solution, in little-endian.
+pub fn write_system<const N: usize>(
+    system: &System<N>,
+    fixed: &[bool],
+    given: &[f64],
+    solution: &[f64],
+    file: &Path,
+) {
+    let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
+    system
+        .pattern
+        .for_each(&system.matrix, |row, column, value| {
+            rows.push(row as i32 + 1);
+            columns.push(column as i32 + 1);
+            values.push(match fixed[row] {
+                true => f64::from(u8::from(row == column)),
+                false => value,
+            });
+        });
+    let right = system.right.iter().enumerate();
+    let right = right.map(|(k, &value)| if fixed[k] { given[k] } else { value });
+    let mut bytes = Vec::new();
+    for count in [solution.len(), values.len()] {
+        bytes.extend((count as i64).to_le_bytes());
+    }
+    let numbers = rows.iter().chain(&columns);
+    bytes.extend(numbers.flat_map(|number| number.to_le_bytes()));
+    let values = values.into_iter().chain(right);
+    let values = values.chain(solution.iter().copied());
+    bytes.extend(values.flat_map(f64::to_le_bytes));
+    std::fs::write(file, bytes).unwrap();
 }
