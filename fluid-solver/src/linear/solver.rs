@@ -20,8 +20,6 @@ use crate::error::FluidError;
 pub const BACKWARD_ERROR_MAX: f64 = 1e-10;
 /// Backward error below which no further refinement is tried.
 const BACKWARD_ERROR_GOAL: f64 = 1e-14;
-/// The same with a factor of single precision, which gains four or five digits a solve.
-const BACKWARD_ERROR_GOAL_SINGLE: f64 = 1e-12;
 /// Refinements that are always allowed; more only while ω is above its bound.
 const REFINEMENTS: usize = 2;
 const REFINEMENTS_MAX: usize = 8;
@@ -251,7 +249,8 @@ impl<const N: usize> LinearSolver<N> {
         let (scale, fixed) = (&self.scale, &self.fixed);
         let mut error = measure::measured(system, &x, scale, fixed, &mut residual);
         let mut solves = 0;
-        while solves < SOLVES_SINGLE && error > BACKWARD_ERROR_GOAL_SINGLE {
+        // one at least: what is good enough to begin with would stay for ever
+        while solves < SOLVES_SINGLE && (solves == 0 || error >= BACKWARD_ERROR_MAX) {
             let mut next = x.clone();
             self.correct(&mut residual, &mut next, Level::Single);
             solves += 1;
