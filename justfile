@@ -46,6 +46,13 @@ studies:
     for study in studies/*.toml; do ./sillage study "$study" || echo "$study: not every point ran"; done
     just study-pictures
 
+# The tables of docs/performance.md that need no other program.
+bench:
+    cargo bench -p fluid-solver --bench fluid -- 80x240
+    cargo bench -p coupler --bench transfer
+    cargo test --release --workspace --test fluid plane_systems -- --ignored --nocapture
+    cargo test --release --workspace --test suite a_contact_of_balls a_small_step_of_balls memory_of_a_ball -- --ignored --nocapture
+
 # The pictures of the README, from the studies that were run.
 study-pictures:
     cp runs/study-cloud-velocity/convergence.png docs/pictures/study-cloud-velocity.png

@@ -70,6 +70,7 @@ def draw(path, axes):
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    from matplotlib.ticker import NullFormatter
 
     figure, panels = plt.subplots(1, 2, figsize=(9, 3.8))
     for panel, (what, counts, costs) in zip(panels, axes):
@@ -77,6 +78,7 @@ def draw(path, axes):
             panel.loglog(counts, [1e3 * max(found[part], 1e-5) for found in costs], "o-", label=part)
         panel.set_xlabel(what)
         panel.set_ylabel("CPU of a step [ms]")
+        panel.xaxis.set_minor_formatter(NullFormatter())
         panel.grid(alpha=0.3)
         panel.legend()
     figure.tight_layout()
