@@ -106,6 +106,18 @@ impl<T: Precision, const N: usize> Multifrontal<T, N> {
     }
 }
 
+impl<T: Precision> Workspace<T> {
+    /// A spare buffer of so many numbers at least, the smallest one: what is in it has no meaning.
+    fn buffer(&mut self, length: usize) -> Vec<T> {
+        let spare = self.spare.iter().enumerate();
+        let fitting = spare.filter(|(_, buffer)| buffer.len() >= length);
+        match fitting.min_by_key(|(_, buffer)| buffer.len()) {
+            Some((k, _)) => self.spare.swap_remove(k),
+            None => vec![T::default(); length],
+        }
+    }
+}
+
 /// What fronts are computed from.
 struct Factorisation<'a, T, const N: usize> {
     plans: &'a [Plan<N>],
@@ -188,7 +200,7 @@ impl<T: Precision, const N: usize> Factorisation<'_, T, N> {
         let plan = &self.plans[k];
         let (done, last) = numbers.split_at_mut(numbers.len() - 1);
         let own = &mut last[0];
-        own.rest = workspace.spare.pop().unwrap_or_default();
+        own.rest = workspace.buffer(plan.shape.rest_length());
         self.wide.run(Assembly {
             plan,
             own: &mut *own,
@@ -245,9 +257,6 @@ impl<T: Precision, const N: usize> Task for Assembly<'_, '_, T, N> {
         let Assembly { plan, own, values } = self;
         own.left.fill(T::default());
         own.top.fill(T::default());
-        if own.rest.len() < plan.shape.rest_length() {
-            own.rest.resize(plan.shape.rest_length(), T::default());
-        }
         for source in &plan.blocks {
             let (row, column) = (N * source.row as usize, N * source.column as usize);
             let values = &values[source.number as usize];

@@ -8,6 +8,7 @@ use fluid_solver::cost::cpu_seconds;
 use fluid_solver::equations::assembly::Assembly;
 use fluid_solver::equations::{Carrier, Coefficients, ViscousForm};
 use fluid_solver::linear::multifrontal::Multifrontal;
+use fluid_solver::linear::pivoting::PivotingLu;
 use fluid_solver::linear::plans::Plans;
 use fluid_solver::linear::{LinearSolver, Solution, System, measure};
 use fluid_solver::mesh::{Mesh, Rectangle};
@@ -234,7 +235,7 @@ fn plane_systems_for_other_solvers() {
         let given = vec![0.0; system.right.len()];
         let file = folder.join(format!("direct-{nodes}.bin"));
         write_system(&system, &fixed, &given, &found.unknowns, &file);
-        let [single, solve, double, substitution] = one.install(|| {
+        let [single, solve, double, substitution, faer, of_faer] = one.install(|| {
             let single = cost(|| linear.factorise(&system));
             let mut solves = 0;
             let solve = cost(|| {
@@ -249,7 +250,12 @@ fn plane_systems_for_other_solvers() {
                 double.factorise(&scaled);
             });
             let mut x = system.right.clone();
-            [single, solve, factor, cost(|| double.solve(&mut x))]
+            let substitution = cost(|| double.solve(&mut x));
+            let mut faer = PivotingLu::new(&system.pattern).unwrap();
+            let columns = system.pattern.by_columns(&scaled);
+            let of_faer = cost(|| faer.factorise(&columns).unwrap());
+            let of_solve = cost(|| faer.solve(&mut x));
+            [single, solve, factor, substitution, of_faer, of_solve]
         });
         println!(
             "own, single      {nodes:7} nodes: factor {single:7.1} ms, solve {solve:6.1} ms with refinement"
@@ -257,6 +263,7 @@ fn plane_systems_for_other_solvers() {
         println!(
             "own, double      {nodes:7} nodes: factor {double:7.1} ms, solve {substitution:6.1} ms"
         );
+        println!("faer, exchanges  {nodes:7} nodes: factor {faer:7.1} ms, solve {of_faer:6.1} ms");
     }
 }
 
