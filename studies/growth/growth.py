@@ -7,20 +7,14 @@ then nodes with 1000 grains.
 """
 
 import argparse
-import csv
-import json
 import math
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
-sys.path.insert(0, str(HERE.parent / "migflow"))
-from equal import cloud  # noqa: E402
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "migflow"))
+from equal import cloud, sillage_run, write_grains  # noqa: E402
 
-SILLAGE = ROOT / "target/release/sillage"
 GRAINS = [1000, 3000, 10000, 30000, 100000, 300000, 1000000]
 CELLS = [(40, 60), (57, 86), (80, 120), (114, 171), (161, 242), (228, 342)]
 STEPS = 4
@@ -29,27 +23,17 @@ STEPS = 4
 def step(grains, cells):
     """CPU time of a step of each process [s]: all steps but the first."""
     big, rows = cloud(grains)
+    spent = []
     with tempfile.TemporaryDirectory() as scratch:
         file = Path(scratch) / "grains.csv"
-        with open(file, "w", newline="") as out:
-            csv.writer(out).writerows([("x [m]", "y [m]", "radius [m]"), *rows])
-        spent = [cost(file, big, cells, steps, Path(scratch) / str(steps)) for steps in (1, 1 + STEPS)]
+        write_grains(rows, file)
+        for steps in (1, 1 + STEPS):
+            folder = Path(scratch) / str(steps)
+            folder.mkdir()
+            row = (grains, cells, 1e-4, steps)
+            _, cost = sillage_run(row, big, file, folder, {"output.every": 1.0})
+            spent.append({part: cost["cpu_" + part] for part in ("fluid", "particles", "coupler")})
     return {part: (spent[1][part] - spent[0][part]) / STEPS for part in spent[0]}
-
-
-def cost(file, big, cells, steps, out):
-    dt = 1e-4
-    settings = {
-        "run.end_time": dt * steps, "run.coupling_step": dt, "grains[0].file": json.dumps(str(file)),
-        "output.every": 10 * dt * steps, "output.frames": "false", "coupling.scheme": '"staggered"',
-        "fluid.domain.rectangle.lower": [-8 * big, 0.0], "fluid.domain.rectangle.upper": [8 * big, 24 * big],
-        "fluid.domain.rectangle.cells": list(cells), "fluid.time_scheme": '"backward-euler"',
-    }
-    sets = [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
-    command = [SILLAGE, "run", ROOT / "scenes/migflow-drop.toml", "--threads", "1", *sets, "--out", out]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    found = json.load(open(out / "run.json"))["cost"]
-    return {part: found["cpu_" + part] for part in ("fluid", "particles", "coupler")}
 
 
 def table(what, counts, costs):

@@ -55,13 +55,14 @@ def cloud(grains):
     return big, rows
 
 
-def sillage(row, big, grains, folder, passes):
-    count, cells, step, steps = row
+def sillage_run(row, big, grains, folder, more):
+    """A run with one pass a step: CPU time of everything [s], and its `cost`."""
+    _, cells, step, steps = row
     settings = {
         "run.end_time": step * steps, "run.coupling_step": step, "grains[0].file": json.dumps(str(grains)),
-        "output.every": step * steps, "output.frames": "false",
+        "output.every": step * steps, "output.frames": "false", "coupling.scheme": '"staggered"',
         "fluid.domain.rectangle.lower": [-8 * big, 0.0], "fluid.domain.rectangle.upper": [8 * big, 24 * big],
-        "fluid.domain.rectangle.cells": list(cells), "fluid.time_scheme": '"backward-euler"', **passes,
+        "fluid.domain.rectangle.cells": list(cells), "fluid.time_scheme": '"backward-euler"', **more,
     }
     sets = [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
     scene = ROOT / "scenes/migflow-drop.toml"
@@ -70,8 +71,18 @@ def sillage(row, big, grains, folder, passes):
         cpu, code = measured(command, log)
     if code != 0:
         sys.exit((folder / "log").read_text()[-2000:])
-    cost = json.load(open(folder / "run/run.json"))["cost"]
-    return cpu, sum(cost["cpu_" + part] for part in ("fluid", "particles", "coupler")) / steps
+    return cpu, json.load(open(folder / "run/run.json"))["cost"]
+
+
+def sillage(row, big, grains, folder, more):
+    cpu, cost = sillage_run(row, big, grains, folder, more)
+    return cpu, sum(cost["cpu_" + part] for part in ("fluid", "particles", "coupler")) / row[3]
+
+
+def write_grains(rows, file):
+    """As `grains.file` takes them."""
+    with open(file, "w", newline="") as out:
+        csv.writer(out).writerows([("x [m]", "y [m]", "radius [m]"), *rows])
 
 
 def migflow(row, big, grains, folder, options):
@@ -111,7 +122,7 @@ def one_of_migflow(path):
 
 
 WAYS = {
-    "Sillage": (sillage, {"coupling.scheme": '"staggered"'}),
+    "Sillage": (sillage, {}),
     "MigFlow at its best": (migflow, {"pardiso": TUNED, "contact": "once", "mean_pressure": False}),
     "MigFlow as shipped": (migflow, {"pardiso": {}, "contact": "sub-steps", "mean_pressure": True}),
 }
@@ -134,8 +145,7 @@ def main():
         with tempfile.TemporaryDirectory() as scratch:
             grains = Path(scratch) / "grains.csv"
             big, rows = cloud(row[0])
-            with open(grains, "w", newline="") as file:
-                csv.writer(file).writerows([("x [m]", "y [m]", "radius [m]"), *rows])
+            write_grains(rows, grains)
             plain = Path(scratch) / "plain.csv"
             plain.write_text(grains.read_text().replace(" [m]", ""))
             for _ in range(options.repeats):

@@ -159,34 +159,27 @@ fn scale_tile<T: Real, const M: usize, const K: usize>(
     for q in 0..n {
         old[q].copy_from_slice(&panel[q * stride + row..][..M]);
     }
-    let (old, up) = (old.as_flattened(), up.as_flattened());
     let a = Block {
-        values: old,
+        values: old.as_flattened(),
         stride: M,
     };
+    let b = Block {
+        values: up.as_flattened(),
+        stride: K,
+    };
+    let mut c = BlockMut {
+        values: &mut panel[row..],
+        stride,
+    };
+    // U⁻¹ is 0 below its diagonal
     let mut j = 0;
     while j + 4 <= n {
-        let b = Block {
-            values: &up[j * K..],
-            stride: K,
-        };
-        let c = BlockMut {
-            values: &mut panel[j * stride + row..],
-            stride,
-        };
-        // U⁻¹ is 0 below its diagonal
+        let (b, c) = (b.columns_from(j), c.columns_from(j));
         multiply::<T, M, 4, { kind::SET }>(j + 4, a, b, c);
         j += 4;
     }
     while j < n {
-        let b = Block {
-            values: &up[j * K..],
-            stride: K,
-        };
-        let c = BlockMut {
-            values: &mut panel[j * stride + row..],
-            stride,
-        };
+        let (b, c) = (b.columns_from(j), c.columns_from(j));
         multiply::<T, M, 1, { kind::SET }>(j + 1, a, b, c);
         j += 1;
     }

@@ -9,6 +9,7 @@
 //! Prager 1964). Where the denominator of a row is round-off, that of Arioli, Demmel and Duff
 //! (1989) is taken.
 
+use super::pattern::Block;
 use super::system::System;
 
 /// s of every unknown.
@@ -34,6 +35,34 @@ pub fn nodal_scale<const N: usize>(system: &System<N>) -> Vec<f64> {
         scale.push(root(pressure[0]));
     }
     scale
+}
+
+/// S K S, with rows and columns of the identity where unknowns are fixed.
+pub fn scale_matrix<const N: usize>(
+    system: &System<N>,
+    scale: &[f64],
+    fixed: &[bool],
+    scaled: &mut [Block<N>],
+) {
+    let unknowns = scale.iter().zip(fixed);
+    let free: Vec<f64> = unknowns
+        .map(|(&s, &fixed)| if fixed { 0.0 } else { s })
+        .collect();
+    let free = free.as_chunks::<N>().0;
+    for (row, scale) in free.iter().enumerate() {
+        let (neighbours, blocks) = system.row(row);
+        let scaled = &mut scaled[system.pattern.range(row)];
+        for (k, &column) in neighbours.iter().enumerate() {
+            for f in 0..N {
+                for d in 0..N {
+                    scaled[k][f][d] = blocks[k][f][d] * scale[d] * free[column][f];
+                }
+                if row == column && free[column][f] == 0.0 {
+                    scaled[k][f][f] = 1.0;
+                }
+            }
+        }
+    }
 }
 
 /// ‖S(r − Kx)‖ / ‖S|K||x|‖ over the free unknowns.
@@ -114,9 +143,6 @@ pub fn measured<const N: usize>(
             };
             if residual[d] != 0.0 {
                 worst = larger(worst, residual[d].abs() / bound);
-            }
-            if residual[d].is_nan() {
-                worst = f64::NAN;
             }
         }
     }

@@ -28,6 +28,8 @@ pub struct Multifrontal<T, const N: usize> {
     left: Vec<T>,
     /// U12 of all fronts: pivot rows, boundary columns.
     top: Vec<T>,
+    /// Were all pivots large enough?
+    trusted: bool,
     /// Buffers of the threads.
     workspaces: Mutex<Vec<Workspace<T>>>,
 }
@@ -57,13 +59,14 @@ impl<T: Precision, const N: usize> Multifrontal<T, N> {
         Multifrontal {
             left: vec![T::default(); left],
             top: vec![T::default(); top],
+            trusted: false,
             workspaces: Mutex::default(),
             plans,
         }
     }
 
-    /// Factorise the matrix with these blocks, on the threads of the present pool; were all pivots large enough?
-    pub fn factorise(&mut self, values: &[pattern::Block<N>]) -> bool {
+    /// Factorise the matrix with these blocks, on the threads of the present pool.
+    pub fn factorise(&mut self, values: &[pattern::Block<N>]) {
         let (mut left, mut top) = (&mut self.left[..], &mut self.top[..]);
         let mut numbers: Vec<Numbers<'_, T>> = Vec::with_capacity(self.plans.fronts.len());
         for Plan { shape, .. } in &self.plans.fronts {
@@ -88,7 +91,12 @@ impl<T: Precision, const N: usize> Multifrontal<T, N> {
             let first = self.plans.fronts[root].front.first;
             factorisation.subtree(&mut numbers[first..=root], first);
         }
-        numbers.iter().all(|numbers| numbers.trusted)
+        self.trusted = numbers.iter().all(|numbers| numbers.trusted);
+    }
+
+    /// Were all pivots of the last matrix large enough?
+    pub fn is_trusted(&self) -> bool {
+        self.trusted
     }
 
     /// x ← (LU)⁻¹ x

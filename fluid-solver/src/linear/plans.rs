@@ -85,28 +85,6 @@ impl<const N: usize> Plans<N> {
             roots,
         })
     }
-
-    /// Entries of a factor.
-    pub fn entries(&self) -> usize {
-        let shapes = self.fronts.iter().map(|plan| plan.shape);
-        let of_front = |shape: Shape| shape.pivots * (shape.pivots + 2 * shape.boundary);
-        shapes.map(of_front).sum()
-    }
-
-    /// Operations of a factor, and those of the longest way from a leaf to a root.
-    pub fn operations(&self) -> [f64; 2] {
-        let mut way = vec![0.0; self.fronts.len()];
-        for (k, plan) in self.fronts.iter().enumerate() {
-            let below = plan.front.children.iter().map(|&child| way[child]);
-            let own = order::operations(plan.shape.pivots, plan.shape.boundary);
-            way[k] = own + below.fold(0.0, f64::max);
-        }
-        let roots = || self.roots.iter();
-        [
-            roots().map(|&root| self.fronts[root].operations).sum(),
-            roots().map(|&root| way[root]).fold(0.0, f64::max),
-        ]
-    }
 }
 
 /// Runs of a child's boundary; `local` are the nodes of the parent.

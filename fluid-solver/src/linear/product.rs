@@ -45,7 +45,7 @@ impl<T: Real, const M: usize, const H: usize> Product<'_, T, M, H> {
         let (low, high) = self.c.split_at_mut(first * self.stride);
         let mut room = Vec::new();
         let high = Product::<T, M, H> {
-            b: from_column(self.b, first),
+            b: self.b.columns_from(first),
             c: high,
             columns: self.columns - first,
             room: &mut room,
@@ -137,37 +137,24 @@ fn copied<T: Real, const M: usize, const KIND: u8>(
     depth: usize,
     a: Block<'_, T>,
     b: &[[T; DEPTH]],
-    c: BlockMut<'_, T>,
+    mut c: BlockMut<'_, T>,
     room: &mut [T],
 ) {
     let room = &mut room.as_chunks_mut::<M>().0[..depth];
     for q in 0..depth {
         room[q].copy_from_slice(&a.values[q * a.stride..][..M]);
     }
-    let BlockMut { values, stride } = c;
     let mut column = 0;
     while column + 6 <= b.len() {
-        let c = BlockMut {
-            values: &mut values[column * stride..],
-            stride,
-        };
-        multiply_copied::<T, M, 6, KIND>(room, &b[column..], c);
+        multiply_copied::<T, M, 6, KIND>(room, &b[column..], c.columns_from(column));
         column += 6;
     }
     while column + 3 <= b.len() {
-        let c = BlockMut {
-            values: &mut values[column * stride..],
-            stride,
-        };
-        multiply_copied::<T, M, 3, KIND>(room, &b[column..], c);
+        multiply_copied::<T, M, 3, KIND>(room, &b[column..], c.columns_from(column));
         column += 3;
     }
     while column < b.len() {
-        let c = BlockMut {
-            values: &mut values[column * stride..],
-            stride,
-        };
-        multiply_copied::<T, M, 1, KIND>(room, &b[column..], c);
+        multiply_copied::<T, M, 1, KIND>(room, &b[column..], c.columns_from(column));
         column += 1;
     }
 }
@@ -179,41 +166,34 @@ fn strip<T: Real, const M: usize>(
     columns: usize,
     a: Block<'_, T>,
     b: Block<'_, T>,
-    c: BlockMut<'_, T>,
+    mut c: BlockMut<'_, T>,
 ) {
-    let BlockMut { values, stride } = c;
     let mut column = 0;
     while column + 6 <= columns {
-        let c = BlockMut {
-            values: &mut values[column * stride..],
-            stride,
-        };
-        multiply::<T, M, 6, { kind::SET_MINUS }>(depth, a, from_column(b, column), c);
+        multiply::<T, M, 6, { kind::SET_MINUS }>(
+            depth,
+            a,
+            b.columns_from(column),
+            c.columns_from(column),
+        );
         column += 6;
     }
     while column + 3 <= columns {
-        let c = BlockMut {
-            values: &mut values[column * stride..],
-            stride,
-        };
-        multiply::<T, M, 3, { kind::SET_MINUS }>(depth, a, from_column(b, column), c);
+        multiply::<T, M, 3, { kind::SET_MINUS }>(
+            depth,
+            a,
+            b.columns_from(column),
+            c.columns_from(column),
+        );
         column += 3;
     }
     while column < columns {
-        let c = BlockMut {
-            values: &mut values[column * stride..],
-            stride,
-        };
-        multiply::<T, M, 1, { kind::SET_MINUS }>(depth, a, from_column(b, column), c);
+        multiply::<T, M, 1, { kind::SET_MINUS }>(
+            depth,
+            a,
+            b.columns_from(column),
+            c.columns_from(column),
+        );
         column += 1;
-    }
-}
-
-/// A block from a column on.
-#[inline(always)]
-fn from_column<T>(b: Block<'_, T>, column: usize) -> Block<'_, T> {
-    Block {
-        values: &b.values[column * b.stride..],
-        stride: b.stride,
     }
 }

@@ -70,8 +70,6 @@ struct Kept<F> {
     factor: Option<F>,
     /// Does it hold the present matrix?
     is_current: bool,
-    /// Were its pivots large enough?
-    is_trusted: bool,
 }
 
 impl<F> Default for Kept<F> {
@@ -79,7 +77,6 @@ impl<F> Default for Kept<F> {
         Kept {
             factor: None,
             is_current: false,
-            is_trusted: false,
         }
     }
 }
@@ -125,38 +122,13 @@ impl<const N: usize> LinearSolver<N> {
     /// Factorise the matrix of a system.
     pub fn factorise(&mut self, system: &System<N>) {
         self.scale = measure::nodal_scale(system);
-        self.scale_matrix(system);
+        measure::scale_matrix(system, &self.scale, &self.fixed, &mut self.scaled);
         self.single.is_current = false;
         self.double.is_current = false;
         self.pivoting.is_current = false;
         match self.first() {
             Level::Single => factorise_fronts(&mut self.single, &self.plans, &self.scaled),
             _ => factorise_fronts(&mut self.double, &self.plans, &self.scaled),
-        }
-    }
-
-    /// S K S, with rows and columns of the identity where unknowns are fixed.
-    fn scale_matrix(&mut self, system: &System<N>) {
-        let nodes = self.scale.iter().zip(&self.fixed);
-        let free: Vec<f64> = nodes
-            .map(|(&s, &fixed)| if fixed { 0.0 } else { s })
-            .collect();
-        let free = free.as_chunks::<N>().0;
-        for (row, scale) in free.iter().enumerate() {
-            let range = system.pattern.range(row);
-            let blocks = self.scaled[range.clone()]
-                .iter_mut()
-                .zip(&system.matrix[range]);
-            for (&column, (scaled, block)) in system.pattern.neighbours(row).iter().zip(blocks) {
-                for f in 0..N {
-                    for d in 0..N {
-                        scaled[f][d] = block[f][d] * scale[d] * free[column][f];
-                    }
-                    if row == column && free[column][f] == 0.0 {
-                        scaled[f][f] = 1.0;
-                    }
-                }
-            }
         }
     }
 
@@ -180,13 +152,13 @@ impl<const N: usize> LinearSolver<N> {
                 self.pivoting = Kept {
                     factor: Some(factor),
                     is_current: true,
-                    is_trusted: true,
                 };
             }
             _ => {}
         }
         // what the others are worth, the backward error tells
-        Ok(level != Level::Single || self.single.is_trusted)
+        let single = self.single.factor.as_ref();
+        Ok(level != Level::Single || single.is_some_and(Multifrontal::is_trusted))
     }
 
     /// Solve with the last matrix; `given` holds the fixed unknowns, `start` what the solution may be near to. Which of
@@ -237,6 +209,11 @@ impl<const N: usize> LinearSolver<N> {
             .collect()
     }
 
+    /// ω of a solution; r − K x comes into `residual`.
+    fn measured(&self, system: &System<N>, x: &[f64], residual: &mut Vec<f64>) -> f64 {
+        measure::measured(system, x, &self.scale, &self.fixed, residual)
+    }
+
     /// Solve and refine with the factor of single precision.
     fn refine_single(
         &mut self,
@@ -246,16 +223,14 @@ impl<const N: usize> LinearSolver<N> {
     ) -> Solution {
         let mut x = self.start(given, start);
         let mut residual = Vec::new();
-        let (scale, fixed) = (&self.scale, &self.fixed);
-        let mut error = measure::measured(system, &x, scale, fixed, &mut residual);
+        let mut error = self.measured(system, &x, &mut residual);
         let mut solves = 0;
         // one at least: what is good enough to begin with would stay for ever
         while solves < SOLVES_SINGLE && (solves == 0 || error >= BACKWARD_ERROR_MAX) {
             let mut next = x.clone();
             self.correct(&mut residual, &mut next, Level::Single);
             solves += 1;
-            let (scale, fixed) = (&self.scale, &self.fixed);
-            let reached = measure::measured(system, &next, scale, fixed, &mut residual);
+            let reached = self.measured(system, &next, &mut residual);
             let gain = error / reached;
             if reached < error {
                 (x, error) = (next, reached);
@@ -277,11 +252,9 @@ impl<const N: usize> LinearSolver<N> {
     fn refine(&mut self, system: &System<N>, given: &[f64], level: Level) -> Solution {
         let mut x = self.start(given, None);
         let mut residual = Vec::new();
-        let (scale, fixed) = (&self.scale, &self.fixed);
-        measure::measured(system, &x, scale, fixed, &mut residual);
+        self.measured(system, &x, &mut residual);
         self.correct(&mut residual, &mut x, level);
-        let (scale, fixed) = (&self.scale, &self.fixed);
-        let mut error = measure::measured(system, &x, scale, fixed, &mut residual);
+        let mut error = self.measured(system, &x, &mut residual);
         let mut refinements = 0;
         while refinements < REFINEMENTS_MAX && error.is_finite() {
             let usual = refinements < REFINEMENTS;
@@ -297,8 +270,7 @@ impl<const N: usize> LinearSolver<N> {
             let mut next = x.clone();
             self.correct(&mut residual, &mut next, level);
             refinements += 1;
-            let (scale, fixed) = (&self.scale, &self.fixed);
-            let next_error = measure::measured(system, &next, scale, fixed, &mut residual);
+            let next_error = self.measured(system, &next, &mut residual);
             if next_error >= error || next_error.is_nan() {
                 break;
             }
@@ -362,8 +334,8 @@ fn factorise_fronts<T: Precision, const N: usize>(
     scaled: &[Block<N>],
 ) {
     let make = || Multifrontal::new(Arc::clone(plans));
-    let trusted = kept.factor.get_or_insert_with(make).factorise(scaled);
-    (kept.is_current, kept.is_trusted) = (true, trusted);
+    kept.factor.get_or_insert_with(make).factorise(scaled);
+    kept.is_current = true;
 }
 
 #[cfg(test)]

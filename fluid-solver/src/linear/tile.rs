@@ -26,6 +26,28 @@ pub struct BlockMut<'a, T> {
     pub stride: usize,
 }
 
+impl<'a, T> Block<'a, T> {
+    /// From a column on.
+    #[inline(always)]
+    pub fn columns_from(self, column: usize) -> Block<'a, T> {
+        Block {
+            values: &self.values[column * self.stride..],
+            stride: self.stride,
+        }
+    }
+}
+
+impl<T> BlockMut<'_, T> {
+    /// From a column on.
+    #[inline(always)]
+    pub fn columns_from(&mut self, column: usize) -> BlockMut<'_, T> {
+        BlockMut {
+            values: &mut self.values[column * self.stride..],
+            stride: self.stride,
+        }
+    }
+}
+
 /// Numbers that `columns` columns of `rows` rows reach over.
 #[inline(always)]
 fn reach(stride: usize, columns: usize, rows: usize) -> usize {

@@ -243,12 +243,12 @@ fn plane_systems_for_other_solvers() {
                 solves = found.solves;
             });
             println!("{nodes} nodes: {solves} solves from the last solution");
-            let scaled = scaled(&system, &fixed);
+            let scale = measure::nodal_scale(&system);
+            let mut scaled = system.matrix.clone();
+            measure::scale_matrix(&system, &scale, &fixed, &mut scaled);
             let plans = Plans::new(&system.pattern).unwrap();
             let mut double = Multifrontal::<f64, 3>::new(Arc::new(plans));
-            let factor = cost(|| {
-                double.factorise(&scaled);
-            });
+            let factor = cost(|| double.factorise(&scaled));
             let mut x = system.right.clone();
             let substitution = cost(|| double.solve(&mut x));
             let mut faer = PivotingLu::new(&system.pattern).unwrap();
@@ -265,20 +265,4 @@ fn plane_systems_for_other_solvers() {
         );
         println!("faer, exchanges  {nodes:7} nodes: factor {faer:7.1} ms, solve {of_faer:6.1} ms");
     }
-}
-
-/// S K S with the identity where unknowns are fixed.
-fn scaled(system: &System<3>, fixed: &[bool]) -> Vec<[[f64; 3]; 3]> {
-    let scale = measure::nodal_scale(system);
-    let mut scaled = system.matrix.clone();
-    let mut slots = scaled.as_flattened_mut().as_flattened_mut().iter_mut();
-    system
-        .pattern
-        .for_each(&system.matrix, |row, column, value| {
-            *slots.next().unwrap() = match fixed[row] || fixed[column] {
-                true => f64::from(u8::from(row == column)),
-                false => value * scale[row] * scale[column],
-            };
-        });
-    scaled
 }
